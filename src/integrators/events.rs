@@ -598,11 +598,6 @@ impl Events {
         self.part(switch).is_by_force()
     }
 
-    /// The switch of the condition of an event.
-    pub fn condition_of(&self, event: usize) -> Option<usize> {
-        Some(self.condition(event)?.first)
-    }
-
     fn condition(&self, event: usize) -> Option<&Part> {
         self.known.conditions[event].map(|part| &self.parts[part])
     }
@@ -814,9 +809,56 @@ impl Events {
         &self.parts[self.parts.partition_point(|part| part.first + part.count <= switch)]
     }
 
-    /// Whether two switches are of one element or event.
-    pub fn is_of_same_part(&self, one: usize, other: usize) -> bool {
-        self.part(one).first == self.part(other).first
+    /// Whether two switches that pass at once have one number: those of one part do if its gradients are parallel, an element and an event, which may set what
+    /// the element reads, if those by the state are.
+    pub fn is_same_number(&self, switches: [usize; 2], moment: Moment<f64>, p: &[f64]) -> bool {
+        let [one, other] = switches.map(|own| self.part(own));
+        let is_same_part = one.first == other.first;
+        if switches[0] == switches[1] || !is_same_part && one.event.is_some() == other.event.is_some() {
+            return switches[0] == switches[1];
+        }
+        let [one, other] = switches.map(|own| {
+            let mut gradient: Vec<(Place, f64)> = Vec::new();
+            self.number_by_arguments(own, moment, p, |place, rate| {
+                if rate == 0.0 || !is_same_part && matches!(place, Place::P(_)) {
+                    return;
+                }
+                match gradient.iter_mut().find(|own| own.0 == place) {
+                    Some(own) => own.1 += rate,
+                    None => gradient.push((place, rate)),
+                }
+            });
+            gradient
+        });
+        let product = |one: &[(Place, f64)], other: &[(Place, f64)]| -> f64 {
+            let rate = |place: Place| other.iter().find(|own| own.0 == place).map_or(0.0, |own| own.1);
+            one.iter().map(|own| own.1 * rate(own.0)).sum()
+        };
+        let (along, squares) = (product(&one, &other), product(&one, &one) * product(&other, &other));
+        squares - along * along <= CONSISTENT * squares
+    }
+
+    /// Switches of elements and events that pass where the first of the changes does, with numbers of their own.
+    pub fn passing_with_first(
+        &mut self,
+        changes: &[SideChange],
+        moment: Moment<f64>,
+        p: &[f64],
+        sides: &[f64],
+    ) -> Vec<usize> {
+        let Some((first, others)) = changes.split_first() else { return Vec::new() };
+        let is_other = |own: &&SideChange| own.switch < self.switches() && own.switch != first.switch;
+        let mut others: Vec<usize> = others.iter().filter(is_other).map(|own| own.switch).collect();
+        if others.is_empty() || first.switch >= self.switches() {
+            return Vec::new();
+        }
+        let numbers = self.excesses(moment, p, sides);
+        let is_same_part = |switch: usize| self.part(first.switch).first == self.part(switch).first;
+        others.retain(|&own| {
+            let is_same = is_same_part(own) && self.is_same_number([first.switch, own], moment, p);
+            numbers[own].by.abs() <= numbers[own].noise(moment.t) && !is_same
+        });
+        others
     }
 
     /// Name of the element that has a switch.

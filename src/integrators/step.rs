@@ -849,6 +849,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if !is_made_again {
             self.add_dependent(events, &mut changes);
         }
+        if S::PARTS > 0 && self.behind.is_none() {
+            self.check_together(events, &changes)?;
+        }
         let (mut happened, mut ends_run, mut known) = (Vec::new(), false, 0);
         // forces are asked for until they change nothing
         let (mut settles, mut exchanged, mut holds) = (false, 0, false);
@@ -986,29 +989,36 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok((changes, ends_run))
     }
 
-    /// Events among the changes at the end of the step made last that happen at the same time as the first one, if that is one, without being changed by it:
-    /// their numbers have the rate that they had.
+    /// Changes at the end of the step made last that happen at the same time as the first one without being changed by it: their numbers have the rate
+    /// that they had.
     pub(super) fn independent(&mut self, changes: &[SideChange]) -> Result<Vec<SideChange>, RunError> {
         let (Some(first), Some(events)) = (changes.first(), &self.events) else { return Ok(Vec::new()) };
-        if !changes.iter().all(|own| events.is_event(own.switch)) {
-            // sides of elements change with what reads the same numbers
-            return Ok(Vec::new());
-        }
-        let (others, alone): (Vec<SideChange>, Vec<SideChange>) =
-            changes.iter().partition(|own| !events.is_of_same_part(first.switch, own.switch));
+        let [q, v] = [0, 1].map(|order| real(&self.between.carried[order]));
+        let a = vec![0.0; q.len()];
+        let (moment, p) = (Moment { a: &a, v: &v, q: &q, mu: [&[]; 2], t: self.record.end }, real(&self.p));
+        let (alone, others): (Vec<SideChange>, Vec<SideChange>) =
+            changes.iter().partition(|own| events.is_same_number([first.switch, own.switch], moment, &p));
         if others.is_empty() {
             return Ok(others);
         }
-        let before = self.rates_behind(&others)?;
+        let all: Vec<SideChange> = [&alone[..1], &others].concat();
+        let before = self.rates_behind(&all)?;
+        let stays = |own: f64, after: f64| (after - own).abs() <= CONSISTENT * own.abs();
+        let Some(after) = self.rates_if(&alone, &others, &others) else { return Ok(Vec::new()) };
+        let stay = others.into_iter().zip(before[1..].iter().zip(after));
+        let others: Vec<SideChange> = stay.filter(|(_, (own, after))| stays(**own, *after)).map(|own| own.0).collect();
+        // nor do these change the first one
+        let after = if others.is_empty() { None } else { self.rates_if(&others, &alone, &all[..1]) };
+        Ok(if after.is_some_and(|after| stays(before[0], after[0])) { others } else { Vec::new() })
+    }
+
+    /// Rates behind some changes at the end of the step made last, while others wait; `None` if these cannot happen alone.
+    fn rates_if(&mut self, changes: &[SideChange], waiting: &[SideChange], of: &[SideChange]) -> Option<Vec<f64>> {
         let kept = (self.between.clone(), self.record.clone(), self.p.clone(), self.directions.clone());
-        self.between.waiting.clone_from(&others);
-        let after = self.pass(alone, false).and_then(|_| self.rates_behind(&others));
+        self.between.waiting = waiting.to_vec();
+        let rates = self.pass(changes.to_vec(), false).and_then(|_| self.rates_behind(of));
         (self.between, self.record, self.p, self.directions) = kept;
-        // what cannot happen alone does not
-        let Ok(after) = after else { return Ok(Vec::new()) };
-        let stays = |before: f64, after: f64| (after - before).abs() <= CONSISTENT * before.abs();
-        let all = others.into_iter().zip(before.into_iter().zip(after));
-        Ok(all.filter(|(_, (before, after))| stays(*before, *after)).map(|own| own.0).collect())
+        rates.ok()
     }
 
     /// Whether a switch changes in the next step.
@@ -1068,9 +1078,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if hits.is_empty() {
                 continue;
             }
-            if S::PARTS > 0 {
-                self.check_together(events, &hits)?;
-            }
             let (impact, let_go) = self.close(events, &hits, number, (sides, changes), is_made_again)?;
             if own.stop.is_none() && !is_made_again {
                 self.check_closing(own.joint)?;
@@ -1097,34 +1104,40 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(())
     }
 
-    /// Whether stops that are hit together are so in other designs, too.
-    fn check_together(&self, events: &Events, hits: &[Hit]) -> Result<(), RunError> {
+    /// Whether what passes at once at the end of the step made last does so in other designs, too.
+    fn check_together(&self, events: &mut Events, changes: &[SideChange]) -> Result<(), RunError> {
         let [q, v, ..] = &self.between.carried[..] else { unreachable!("q and v are carried first") };
-        let t = self.clock.map_or(S::from(self.record.end), |clock| clock.time(self.record.end));
-        let moment = Moment { a: &[], v: &v[..], q: &q[..], mu: [&[]; 2], t };
-        let (real_q, real_v) = (real(q), real(v));
+        let end = self.record.end;
+        let (real_q, real_v, real_a, real_p) = (real(q), real(v), real(&self.between.last.x), real(&self.p));
+        let [mu, rates] = self.multipliers(false);
+        let at = Moment { a: &real_a, v: &real_v, q: &real_q, mu: [&mu, &rates], t: end };
+        let t = self.clock.map_or(S::from(end), |clock| clock.time(end));
         let parts = |own: S| (0..S::PARTS).fold(0.0, |most: f64, part| most.max(own.part(part).abs()));
-        for Hit { event, joint, .. } in &hits[1..] {
-            let Some(switch) = events.condition_of(*event) else { continue };
-            let moved = parts(events.number(switch, moment, &self.p));
+        let of = |values: &[S], place: usize| values.get(place).copied().map_or(0.0, parts);
+        let by_time = |rates: &[f64], place: usize| rates.get(place).map_or(0.0, |rate| rate.abs() * parts(t));
+        for switch in events.passing_with_first(changes, at, &real_p, &self.between.sides) {
+            let moved = parts(self.number_of(events, switch));
             let mut terms = 0.0;
-            let at = Moment { a: &[], v: &real_v, q: &real_q, mu: [&[]; 2], t: self.record.end };
-            events.number_by_arguments(switch, at, &real(&self.p), |place, rate| {
+            events.number_by_arguments(switch, at, &real_p, |place, rate| {
+                // what each has moved, and what it would have in the time by which the event moves
                 terms += rate.abs()
                     * match place {
-                        // what it has moved, and what it would have in the time by which the event moves
-                        Place::Q(dof) => parts(q[dof]) + real_v[dof].abs() * parts(t),
+                        Place::Q(dof) => of(q, dof) + by_time(&real_v, dof),
+                        Place::V(dof) => of(v, dof) + by_time(&real_a, dof),
+                        Place::Mu(row) => of(&self.between.forces, row) + by_time(&rates, row),
                         Place::P(index) => parts(self.p[index]),
                         Place::Time => parts(t),
-                        Place::V(_) | Place::A(_) | Place::Mu(_) => 0.0,
+                        Place::A(_) => 0.0,
                     };
             });
             if moved > CONSISTENT * terms {
-                let name = |joint: usize| &self.problem.model.constraints[joint].name;
-                let (first, other, t) = (name(hits[0].joint), name(*joint), shortest(self.record.end));
+                let [first, other] = [changes[0].switch, switch].map(|own| events.part_of(own));
+                let names =
+                    if first == other { format!("parts of \"{first}\"") } else { format!("\"{first}\" and \"{other}\"") };
                 return Err(RunError::Input(format!(
-                    "\"{first}\" and \"{other}\" are hit at once at t = {t} s and act on each other, and the design moves them apart: which one is first \
-                     decides what follows, so that there is no derivative; take a design in which they are apart"
+                    "{names} pass at once at t = {} s and act on each other, and the design moves them apart: which one is first decides what follows, \
+                     so that there is no derivative; take a design in which they are apart",
+                    shortest(end)
                 )));
             }
         }
@@ -1504,7 +1517,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// The number of a switch at the end of the step made last.
     pub(super) fn number(&self, switch: usize) -> S {
-        let Some(events) = &self.events else { return S::zero() };
+        self.events.as_ref().map_or_else(S::zero, |events| self.number_of(events, switch))
+    }
+
+    fn number_of(&self, events: &Events, switch: usize) -> S {
         let carried = &self.between.carried;
         let mut at = VectorsAvq { a: vec![S::zero(); carried[0].len()], v: carried[1].clone(), q: carried[0].clone() };
         let t = self.clock.map_or(S::from(self.record.end), |clock| clock.time(self.record.end));

@@ -32,8 +32,8 @@ pub struct AdjointRun {
     pub gradients: Vec<ModelNumbers<f64>>,
     /// df/dt of the breakpoints that move, for each functional.
     pub by_breakpoints: Vec<Vec<f64>>,
-    /// Whether stops that act on each other are hit at once somewhere: the gradients are those of designs that do not move them apart.
-    pub hits_together: bool,
+    /// Whether switches with numbers of their own pass at once somewhere: the gradients are those of designs that do not move them apart.
+    pub passes_together: bool,
     pub counters: Counters,
 }
 
@@ -94,7 +94,7 @@ pub fn adjoint(
         ending: Vec::new(),
         forces: Vec::new(),
         of_shares: Vec::new(),
-        hits_together: false,
+        passes_together: false,
     };
     sweep.run(rerun, history)
 }
@@ -129,7 +129,7 @@ struct Sweep<'m> {
     forces: Vec<(usize, SolutionSeed)>,
     /// Adjoints of the shares of rates that the last impact kept, for each functional.
     of_shares: Vec<Vec<f64>>,
-    hits_together: bool,
+    passes_together: bool,
 }
 
 impl<'m> Sweep<'m> {
@@ -197,7 +197,7 @@ impl<'m> Sweep<'m> {
                 (ModelNumbers { p: back.p, q: std::mem::take(&mut back.carried[0]), v }, back.by_breakpoints)
             })
             .unzip();
-        Ok(AdjointRun { gradients, by_breakpoints, hits_together: self.hits_together, counters: self.counters })
+        Ok(AdjointRun { gradients, by_breakpoints, passes_together: self.passes_together, counters: self.counters })
     }
 
     /// Back through the equilibrium at which a motion begins.
@@ -462,6 +462,9 @@ impl<'m> Sweep<'m> {
                 Place::A(_) => {}
             });
             self.forces.push((self.functionals.len(), of_multipliers));
+            let moment = Moment { a: &accelerations, ..moment };
+            self.passes_together |=
+                !self.events.passing_with_first(&place.events_end, moment, &self.p, &self.sides).is_empty();
         }
         self.forces_back(step, back)?;
         let rule = StepRule { method: self.method, constrained: self.system.is_constrained() };
@@ -724,7 +727,6 @@ impl<'m> Sweep<'m> {
 
     /// Back through an impact, by which velocities change by (1 + e) x.
     fn impact_back(&mut self, impact: &ImpactRecord<f64>, back: &mut [Backward]) -> Result<(), RunError> {
-        self.hits_together |= !impact.others.is_empty();
         let (factor, Unknowns { x, mu, .. }) = (impact.factor(&self.p), &impact.solve.unknowns);
         let mut seeds = Vec::new();
         for back in &mut *back {

@@ -371,7 +371,7 @@ impl<'m> Analysis<'m> {
         for (rates, bar) in run.by_breakpoints.iter().zip(&mut run.gradients) {
             breakpoints.add_transposed(numbers.iter().copied().zip(rates.iter().copied()), &mut bar.p);
         }
-        if run.hits_together {
+        if run.passes_together {
             self.check_together(x, forward)?;
         }
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
@@ -384,7 +384,7 @@ impl<'m> Analysis<'m> {
         Ok((gradient, by_parameters))
     }
 
-    /// Whether no variable moves apart what is hit at once: a tangent run along all of them tells.
+    /// Whether no variable moves apart what passes at once: a tangent run along all of them tells.
     fn check_together(&self, x: &[f64], forward: &Forward) -> Result<(), RunError> {
         let along = |(i, &x): (usize, &f64)| {
             let mut own = Tangents::from(x);

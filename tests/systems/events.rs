@@ -650,6 +650,78 @@ functional = [
     }
 }
 
+/// Two masses of 1 kg reach bumpers with a force F at one time: behind it x = v t - F (t - gap / v)^2 / 2, each with its own gap. One formula with both
+/// bumpers gives the same.
+#[test]
+fn elements_that_switch_at_once_do_so_at_their_own_times() {
+    let [force, gap, v, end] = [3.0_f64, 0.5, 2.0, 0.6];
+    let of_each = r#"
+    { name = "of a", nodes = { a = "a" }, potential = "if_less(first, a.position.x, 3 * (a.position.x - first), 0)" },
+    { name = "of b", nodes = { b = "b" }, potential = "if_less(second, b.position.x, 3 * (b.position.x - second), 0)" },
+"#;
+    let of_both = r#"
+    { name = "pads", nodes = { a = "a", b = "b" }, potential = "if_less(first, a.position.x, 3 * (a.position.x - first), 0) + if_less(second, b.position.x, 3 * (b.position.x - second), 0)" },
+"#;
+    for pads in [of_each, of_both] {
+        let text = format!(
+            r#"
+version = 1
+settings = {{ end = {end}, steps = 30 }}
+variable.first = {{ initial = {gap}, bounds = [0.1, 2], unit = "m" }}
+variable.second = {{ initial = {gap}, bounds = [0.1, 2], unit = "m" }}
+point = [{{ name = "a", position = [0, 0, 0], velocity = [{v}, 0, 0], mass = 1 }}, {{ name = "b", position = [0, 1, 0], velocity = [{v}, 0, 0], mass = 1 }}]
+element = [{pads}]
+functional = [
+    {{ name = "of a", type = "position", on = "a", direction = [1, 0, 0], over = "terminal" }},
+    {{ name = "of b", type = "position", on = "b", direction = [1, 0, 0], over = "terminal" }},
+]
+"#
+        );
+        let (forward, rows) = ran(&parsed(&text), &table("esdirk4"), 30);
+        let behind = end - gap / v;
+        let (value, rate) = (v * end - 0.5 * force * behind * behind, force * behind / v);
+        for (row, own) in rows.iter().enumerate() {
+            assert_near(forward.values[row], value, 1e-14, "value");
+            assert_near(own[row], rate, 1e-12, "by its own gap");
+            assert_near(own[1 - row], 0.0, 1e-12, "by the gap of the other one");
+        }
+    }
+}
+
+/// A force that begins where a mass has come a way, and another where it has reached a speed, at the same time: the first changes when the second begins.
+#[test]
+fn elements_that_switch_at_once_and_act_on_each_other_have_no_derivative() {
+    let text = |speed: &str| {
+        format!(
+            r#"
+version = 1
+settings = {{ end = 2, steps = 30 }}
+variable.way = {{ initial = 0.5, bounds = [0.1, 2], unit = "m" }}
+point = [{{ name = "a", position = [0, 0, 0], mass = 1 }}]
+element = [
+    {{ name = "push", nodes = {{ a = "a" }}, force = {{ a = "[1, 0, 0]" }} }},
+    {{ name = "at a place", nodes = {{ a = "a" }}, force = {{ a = "[if_less(way, a.position.x, 0.5, 0), 0, 0]" }} }},
+    {{ name = "at a speed", nodes = {{ a = "a" }}, force = {{ a = "[if_less({speed}, a.velocity.x, 0.25, 0), 0, 0]" }} }},
+]
+functional = [{{ name = "x", type = "position", on = "a", direction = [1, 0, 0], over = "terminal" }}]
+"#
+        )
+    };
+    for (speed, is_known) in [("1", false), ("1.2", true)] {
+        let scene = parsed(&text(speed));
+        let prepared = Prepared::new(&scene).expect("it is sound");
+        let forward = prepared.analysis().forward(&prepared.x).expect("it runs");
+        for made in
+            [prepared.analysis().adjoint(&prepared.x, &forward), prepared.analysis().complex_step(&prepared.x, &forward)]
+        {
+            match made {
+                Ok(_) => assert!(is_known),
+                Err(error) => assert!(!is_known && error.to_string().contains("the design moves them apart"), "{error}"),
+            }
+        }
+    }
+}
+
 /// A rod falls on both of its ends at once, and leaves with the speeds e1 v and e2 v there: its rate is v (e1 + e2) / 2 - g (T - t), its turn v (e1 - e2)
 /// by its length. A design that moves the ends apart has no derivative.
 #[test]
