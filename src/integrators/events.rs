@@ -598,6 +598,12 @@ impl Events {
         self.part(switch).is_by_force()
     }
 
+    /// The stop that is hit where a switch passes, and its joint.
+    pub fn stop_hit_by(&self, switch: usize) -> Option<(usize, &Stop)> {
+        let event = self.part(switch).event?;
+        self.events[event].closes.iter().find_map(|own| Some((own.joint, own.stop.as_ref()?)))
+    }
+
     fn condition(&self, event: usize) -> Option<&Part> {
         self.known.conditions[event].map(|part| &self.parts[part])
     }
@@ -777,7 +783,7 @@ impl Events {
         let are_off: Vec<bool> = self.parts.iter().map(|part| !self.may_happen(part, sides)).collect();
         let Events { parts, numbers, work, .. } = self;
         let mut all = Vec::with_capacity(sides.len());
-        let speed = largest(moment.v);
+        let (speed, force) = (largest(moment.v), largest(moment.mu[0]));
         for (part, is_off) in parts.iter().zip(are_off) {
             let inputs = part.inputs(&moment, p);
             part.switches.evaluate(&inputs, numbers, work);
@@ -789,8 +795,9 @@ impl Events {
                 all[own..].iter_mut().for_each(|own| (own.by, own.rate, own.terms) = (-1.0, 0.0, 1.0));
                 continue;
             }
-            // what holds velocities at zero leaves a share of those of the model
+            // what holds velocities at zero leaves a share of those of the model, and what solves for forces one of the largest
             let size = |(place, input): (&Place, &f64)| match place {
+                Place::Mu(_) => force,
                 _ if part.event.is_some() => input.abs(),
                 Place::V(_) => speed,
                 _ => 0.0,

@@ -222,7 +222,7 @@ fn back_again<S: RunScalar>(
 ) -> Result<Option<[f64; 2]>, RunError> {
     let scheme = stepper.method.table.starting_scheme();
     let mut high = h;
-    while high > AT_ONCE * h {
+    while high > AT_ONCE * h && t + 0.5 * high > t {
         let low = 0.5 * high;
         stepper.resume(before)?;
         stepper.step_over(scheme, (t, t + low), interval.at_breakpoint(), None)?;

@@ -6,6 +6,9 @@ use smallvec::SmallVec;
 /// Most earlier steps from which a solution is extrapolated: each further one adds a digit or so where the fastest modes turn by a tenth of a
 /// radian in a step, and doubles what round-off does to the guess.
 pub(crate) const MOST: usize = MOST_LISTS;
+/// How many times as large as at the latest step a term of the polynomial may become: behind steps that an event has cut short, those of a high degree are
+/// round-off over so much longer a step.
+const FAR: f64 = 1e3;
 
 /// First guesses for the systems of a step: the increments of the unknowns from system to system, extrapolated over time.
 ///
@@ -48,7 +51,7 @@ impl<S: RunScalar> Track<S> {
         let factors = self.factors(t);
         let mut terms: SmallVec<[(f64, &[S]); MOST]> = SmallVec::new();
         for (list, values) in unknowns.extrapolated_mut().into_iter().enumerate() {
-            let used = self.differences.iter().zip(factors).take(self.used);
+            let used = self.differences.iter().zip(factors).take(self.used).take_while(|own| own.1.abs() <= FAR);
             terms.clear();
             terms.extend(used.map(|(difference, factor)| (h * factor, difference.extrapolated()[list])));
             add_lists(values, &terms);
@@ -124,6 +127,23 @@ mod tests {
             t += h;
         }
         assert!(track.used >= 4);
+    }
+
+    #[test]
+    fn short_steps_foretell_little_of_a_long_one() {
+        let mut track = Track::default();
+        for step in 0..6 {
+            let t = 1e-10 * f64::from(step);
+            // a constant with the round-off of its sum
+            track.learn((t, 1e-10), None, &at(1e-10 * (1.0 + 1e-16 * f64::from(step % 3))), &[1.0; 2]);
+        }
+        track.used = 6;
+        let mut guess = at(0.0);
+        track.add_expected(6e-10, 1e-2, &mut guess);
+        assert!((guess.x[0] - 1e-2).abs() < 1e-9, "{guess:?}");
+        let mut later = at(0.0);
+        track.add_expected(1e-2, 1e-2, &mut later);
+        assert!((later.x[0] - 1e-2).abs() < 1e-9, "{later:?}");
     }
 
     #[test]

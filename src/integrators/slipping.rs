@@ -148,6 +148,13 @@ impl<S: RunScalar> Stepper<'_, S> {
         speed_of(&v, &real(&self.between.last.x), self.record.h)
     }
 
+    /// What is no speed between surfaces that touch: a share of those of the model, or of what its accelerations make over its size, however short the step
+    /// is.
+    pub(super) fn no_speed(&self) -> f64 {
+        let fall = (size(&self.between.carried[0]) * size(&self.between.last.x)).sqrt();
+        CONSISTENT * self.speed().max(fall)
+    }
+
     /// Speeds of slip in two directions that begins.
     fn still(&self) -> [f64; 2] {
         [near(STILL * self.speed()), 0.0]
@@ -730,7 +737,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         let ([v, q], t) = self.state();
         let mut behind = v.clone();
         impact.add_to(&mut behind, p, S::one());
-        let (nowhere, nothing) = (CONSISTENT * size(&q), CONSISTENT * self.speed());
+        let (nowhere, nothing) = (CONSISTENT * size(&q), self.no_speed());
         let beyond = |(hit, own, stop): (usize, usize, &Stop)| {
             let motion = |v: &[S]| self.equations_of(own, (&[], v, &q), t.value())[0];
             let [g, rate, _] = motion(&behind);

@@ -12,7 +12,7 @@ use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::resting_start::RestingStart;
-use super::slipping::{set, speed_of};
+use super::slipping::set;
 use super::start::check_velocities;
 use super::steady_turn;
 use super::step_points::StepRule;
@@ -937,12 +937,21 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 let passed = self.excesses_of(events, false).into_iter().enumerate();
                 // the number that ended the step is zero, whatever location has left of it
                 let is_zero = |own: &Excess| (own.by - located).abs() <= own.round_off(end);
+                // what touches a stop hits it if it moves on, and rests there otherwise
+                let is_passed = |place: usize, own: &Excess| {
+                    let is_first = place == switch && is_zero(own);
+                    match events.stop_hit_by(place) {
+                        Some((joint, stop)) if is_first || own.by.abs() <= own.noise(end) => self.moves_on(joint, stop),
+                        // forces are those before what has just come to hold
+                        _ if settles && events.is_event(place) && events.is_release(place) => false,
+                        _ if is_first => own.rate > 0.0,
+                        _ => own.is_passed(end),
+                    }
+                };
                 // of what has been opened nothing else happens
-                let passed = passed.filter(|(place, own)| match *place == switch && is_zero(own) {
-                    true => own.rate > 0.0,
-                    // forces are those before what has just come to hold
-                    false if settles && events.is_event(*place) && events.is_release(*place) => false,
-                    false => own.is_passed(end) && !events.is_off(*place, &now) && !self.waits(*place),
+                let passed = passed.filter(|(place, own)| {
+                    let may = (*place == switch && is_zero(own)) || !events.is_off(*place, &now) && !self.waits(*place);
+                    may && is_passed(*place, own)
                 });
                 let passed = passed.map(|(switch, own)| SideChange { switch, sides: [sides[switch], own.other] });
                 let passed: Vec<SideChange> = passed.collect();
@@ -1147,7 +1156,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Whether the motion goes on beyond a stop.
     fn moves_on(&self, joint: usize, stop: &Stop) -> bool {
         let rate = self.approach(joint);
-        (if stop.is_upper { rate } else { -rate }) > CONSISTENT * size(&self.between.carried[1])
+        (if stop.is_upper { rate } else { -rate }) > self.no_speed()
     }
 
     /// How a joint is hit that is not there.
@@ -1176,7 +1185,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// and holds: of stops without friction one after the other, until all forces push and nothing moves beyond, see [`Events::torn`].
     fn released(
         &mut self,
-        events: &Events,
+        events: &mut Events,
         (present, changes): (&mut [f64], &[SideChange]),
     ) -> Result<Vec<SideChange>, RunError> {
         if events.release_of(present).is_none() {
@@ -1195,7 +1204,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let none = NO_FORCE * forces.fold(0.0, |most: f64, own| most.max(own.abs()));
         let (mut all, mut pushing) = (Vec::new(), std::mem::take(&mut self.pushing));
         if events.frictions().len() == 0 {
-            let sizes = [size(&q), speed_of(&real(&v), &real(&a), self.record.h), size(&a)].map(|own| CONSISTENT * own);
+            let sizes = [CONSISTENT * size(&q), self.no_speed(), CONSISTENT * size(&a)];
             let beyond = |(event, joint, stop): (usize, usize, &'_ Stop)| {
                 let [g, rate, towards] = self.equations_of(joint, (&a, &v, &q), t)[0];
                 let towards = if stop.is_upper { towards } else { -towards };
