@@ -138,6 +138,29 @@ struct Happening {
     stops: [Vec<usize>; 2],
 }
 
+/// Which stops hold, on the way to those that do.
+#[derive(Clone, Debug, Default)]
+pub struct Choice {
+    /// Multipliers by which all push, by their size.
+    pushing: Vec<f64>,
+    /// The joint of the stop that was the last to be held.
+    last: Option<usize>,
+    /// Those that pulled as soon as they were held.
+    at_limit: Vec<usize>,
+}
+
+impl Choice {
+    /// Whether a stop beyond whose limit the motion goes is to hold.
+    pub fn may_hold(&self, joint: usize) -> bool {
+        !self.at_limit.contains(&joint)
+    }
+
+    /// That it does.
+    pub fn hold(&mut self, joint: usize) {
+        self.last = Some(joint);
+    }
+}
+
 /// How a joint with friction slips.
 struct Slip {
     own: JointFriction,
@@ -525,8 +548,9 @@ impl Events {
         sides: &[f64],
         (alone, mu): (Option<usize>, &[f64]),
         none: f64,
-        pushing: &mut Vec<f64>,
+        choice: &mut Choice,
     ) -> Option<usize> {
+        let Choice { pushing, last, at_limit } = choice;
         pushing.resize(mu.len(), 0.0);
         let held = || self.stops().filter(|(_, own, _)| sides[self.presence(*own)] > 0.0);
         let row = |joint: usize| self.joints[self.known.of_joints[&joint].0].1.start;
@@ -540,6 +564,15 @@ impl Events {
             let row = row(own);
             let push = if stop.pushes(mu[row]) { mu[row].abs() } else { -mu[row].abs() };
             pushing[row] = (pushing[row] + share * (push - pushing[row])).max(0.0);
+        }
+        match (first, last.take()) {
+            (Some((torn, _)), held) => {
+                pushing[row(torn)] = 0.0;
+                // whether it moves beyond or pulls is round-off
+                at_limit.extend(held.filter(|held| *held == torn));
+            }
+            (None, Some(_)) => at_limit.clear(),
+            (None, None) => {}
         }
         first.map(|own| own.0)
     }

@@ -5,7 +5,7 @@
 //!
 //! Source: Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts, chapters 5 and 8.
 
-use super::events::{Events, Hit, Moment, SideChange, from_axis};
+use super::events::{Choice, Events, Hit, Moment, SideChange, from_axis};
 use super::march::add_scaled;
 use super::record::{AxisRecord, ImpactRecord, OtherHit, SlipBefore};
 use super::redundancy::dependent_among;
@@ -598,7 +598,7 @@ impl<S: RunScalar> Stepper<'_, S> {
             let direction = events.direction(friction, &now).to_vec();
             set(&events.turn(friction, &direction, self.blunt(), &now), &mut now);
         }
-        let (mut treated, mut pushing) = (Treated::default(), Vec::new());
+        let (mut treated, mut choice) = (Treated::default(), Choice::default());
         for _ in 0..MOST_CHANGES + events.stops().count() {
             impact.dropped = self.dropped_behind(&events.absent(&now));
             impact.axes = self.axes(events, &now, &impact.dropped);
@@ -636,9 +636,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             let of_impact = std::mem::replace(&mut self.p, p);
             impact.solve = solved?;
             let mu = real(&impact.solve.unknowns.mu);
-            if let Some(torn) = events.torn(&now, (alone, &mu), self.no_impulse(), &mut pushing) {
+            if let Some(torn) = events.torn(&now, (alone, &mu), self.no_impulse(), &mut choice) {
                 now[events.presence(torn)] = 0.0;
-                pushing[model.constraints[torn].equations.start] = 0.0;
                 for friction in (0..model.frictions.len()).filter(|own| model.frictions[*own].joints[0] == torn) {
                     now[events.presence(model.frictions[friction].joints[1])] = 0.0;
                     set(&self.stands(events, friction, &now), &mut now);
@@ -647,7 +646,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             }
             match self.violated_friction(events, (hits, &impact), &of_impact, &now, &mut treated) {
                 None => {
-                    if let Some(held) = self.hit_again(events, (hits, &impact, &of_impact), [&before, &now]) {
+                    if let Some(held) = self.hit_again(events, (hits, &impact, &of_impact), [&before, &now], &choice) {
+                        choice.hold(held);
                         now[events.presence(held)] = 1.0;
                         if let Some(friction) = events.frictions().position(|own| own.joints[0] == held) {
                             let slip = self.slip_behind(events, friction, (&impact, &of_impact));
@@ -733,6 +733,7 @@ impl<S: RunScalar> Stepper<'_, S> {
         events: &Events,
         (hits, impact, p): (&[Hit], &ImpactRecord<S>, &[S]),
         [before, now]: [&[f64]; 2],
+        choice: &Choice,
     ) -> Option<usize> {
         let ([v, q], t) = self.state();
         let mut behind = v.clone();
@@ -750,7 +751,8 @@ impl<S: RunScalar> Stepper<'_, S> {
             let rate = if stop.is_upper { rate } else { -rate };
             (rate > nothing && (hit.is_some() || was_held || is_touched())).then_some((own, rate))
         };
-        let all = events.stops().filter(|own| now[events.presence(own.1)] == 0.0).filter_map(beyond);
+        let open = events.stops().filter(|own| now[events.presence(own.1)] == 0.0 && choice.may_hold(own.1));
+        let all = open.filter_map(beyond);
         all.max_by(|one, other| one.1.total_cmp(&other.1)).map(|own| own.0)
     }
 

@@ -3,7 +3,7 @@
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
 use super::crossings::Place;
-use super::events::{Directions, Events, Hit, Moment, SideChange};
+use super::events::{Choice, Directions, Events, Hit, Moment, SideChange};
 use super::grid::{Clocks, beside, clock_at};
 use super::initial_guess::{InitialGuess, solve};
 use super::march::{Method, Problem, Run, add_scaled, embedded_difference};
@@ -55,8 +55,8 @@ pub struct Stepper<'m, S> {
     behind: Option<f64>,
     /// Multipliers by which events at the end of the step made last happen.
     pub(super) forces: Vec<f64>,
-    /// Forces of stops by which all of them push, as far as it is known what holds behind the step made last.
-    pushing: Vec<f64>,
+    /// Which stops hold behind the step made last, as far as it is known.
+    choice: Choice,
     /// Solvers that were not used, without some equations each.
     analyses: Vec<(Vec<usize>, Newton<'m, S>)>,
     acceleration: Newton<'m, S>,
@@ -199,7 +199,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             behind: None,
             directions: vec![Directions::default(); problem.model.frictions.len()],
             forces: Vec::new(),
-            pushing: Vec::new(),
+            choice: Choice::default(),
             analyses: Vec::new(),
             acceleration,
             stage,
@@ -834,7 +834,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         is_made_again: bool,
     ) -> Result<(Vec<SideChange>, bool), RunError> {
         let before = self.between.sides.clone();
-        self.pushing.clear();
+        self.choice = Choice::default();
         self.forces = real(&self.between.forces);
         // joints as far as it has come
         let mut present = before.clone();
@@ -1202,7 +1202,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let time = self.time_of_impulses();
         let forces = impulses.map(|own| own / time).chain(mu.iter().copied()).chain(real(&self.between.forces));
         let none = NO_FORCE * forces.fold(0.0, |most: f64, own| most.max(own.abs()));
-        let (mut all, mut pushing) = (Vec::new(), std::mem::take(&mut self.pushing));
+        let (mut all, mut choice) = (Vec::new(), std::mem::take(&mut self.choice));
         if events.frictions().len() == 0 {
             let sizes = [CONSISTENT * size(&q), self.no_speed(), CONSISTENT * size(&a)];
             let beyond = |(event, joint, stop): (usize, usize, &'_ Stop)| {
@@ -1211,20 +1211,20 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 let moves_back = g.abs() <= sizes[0] && rate.abs() <= sizes[1] && towards > sizes[2];
                 (moves_back && events.can_be_hit(event, &sides)).then_some(towards)
             };
-            if let Some(joint) = events.torn(present, (None, &mu), none, &mut pushing) {
-                pushing[self.problem.model.constraints[joint].equations.start] = 0.0;
+            if let Some(joint) = events.torn(present, (None, &mu), none, &mut choice) {
                 all.extend(events.letting_go(joint, &sides));
             } else {
-                let open = events.stops().filter(|own| present[events.presence(own.1)] == 0.0);
+                let open = events.stops().filter(|own| present[events.presence(own.1)] == 0.0 && choice.may_hold(own.1));
                 let back = open.filter_map(|own| Some((own, beyond(own)?)));
                 if let Some(((event, joint, stop), _)) = back.max_by(|one, other| one.1.total_cmp(&other.1)) {
+                    choice.hold(joint);
                     all.extend(events.presence_change(joint, true, present));
                     set(&all, present);
                     all.extend(events.free(event, stop, &sides));
                     all.extend(events.pushing(joint, stop, &sides));
                 }
             }
-            self.pushing = pushing;
+            self.choice = choice;
         }
         if all.is_empty() {
             let [v, q] = [&v, &q].map(|own| real(own));
