@@ -6,7 +6,8 @@ use nalgebra::DMatrix;
 /// What the measurements say of the variables beside their values: to first order in the errors of these, which are normally distributed.
 ///
 /// The covariance is (J^T J)^-1 with the Jacobian J of the residuals in units of their deviations; where no deviations are given, times the variance of
-/// the residuals. Variables at a bound are taken as known.
+/// the residuals. That is SciPy's `curve_fit` with and without `absolute_sigma`. Rows count by the curvature of their loss: outliers tell nothing.
+/// Variables at a bound are taken as known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Confidence {
     /// Places of the variables that are estimated among those that vary: all but those at a bound.

@@ -213,13 +213,13 @@ impl<'s> Fit<'s> {
     }
 
     fn fitted(&self, least: Least<Simulated>, history: DesignHistory, failure: Option<RunError>) -> Fitted {
-        let Least { x, evaluated, residuals, jacobian, pulling, half_sum, iterations, is_optimum, is_limit } = least;
+        let Least { x, evaluated, residuals, jacobian, curved, half_sum, iterations, is_optimum, is_limit } = least;
         let sizes: Vec<f64> = self.varying.iter().zip(&x).map(|(&i, &x)| self.variables[i].size(x)).collect();
         let is_inside = |place: usize| bound_of(&self.variables[self.varying[place]], x[place]).is_none();
         let estimated: Vec<usize> = (0..x.len()).filter(|&place| is_inside(place)).collect();
         let (sum, degrees) = (2.0 * half_sum, residuals.len() - estimated.len());
         let variance = if self.has_deviations() { 1.0 } else { sum / degrees as f64 };
-        let confidence = Confidence::new(&pulling, &sizes, estimated, variance);
+        let confidence = Confidence::new(&curved, &sizes, estimated, variance);
         let (mut curves, mut first) = (Vec::new(), 0);
         for own in &self.problem.measurements {
             let rows = first..first + own.times.len();

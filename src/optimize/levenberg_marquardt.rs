@@ -45,9 +45,9 @@ pub(super) struct Least<E> {
     pub evaluated: E,
     pub residuals: DVector<f64>,
     pub jacobian: DMatrix<f64>,
-    /// The same, with rows that count by how much their residuals pull: J^T J is the matrix of second derivatives of half the sum, but for curvature of
-    /// the residuals.
-    pub pulling: DMatrix<f64>,
+    /// The same with rows by the curvature of their loss: J^T J is the matrix of second derivatives of half the sum, but for the curvature of residuals.
+    /// Outliers, whose loss is straight or concave, count for nothing.
+    pub curved: DMatrix<f64>,
     pub half_sum: f64,
     pub iterations: usize,
     /// Whether no step promises less, or the limit of iterations, or neither.
@@ -60,8 +60,11 @@ pub(super) struct Least<E> {
 /// A step s minimizes |r + J s|^2 + damping |D s|^2 within the bounds, with D the largest norms of the columns of J so far: without damping it is that of
 /// Gauss and Newton, with much of it one along the gradient. Points that fail are those where the step was too long.
 ///
-/// Source: Marquardt (1963); More, The Levenberg-Marquardt algorithm (1978), section 6 for D. Losses: Triggs et al., Bundle adjustment (2000), section 4.3,
-/// as in SciPy.
+/// With a loss, rows and residuals count by the root of rho': the sum of these squares is above that of the losses and touches it, however far away a
+/// residual is.
+///
+/// Source: Marquardt (1963); More, The Levenberg-Marquardt algorithm (1978), section 6 for D; Holland & Welsch, Robust regression using iteratively
+/// reweighted least-squares (1977).
 ///
 /// # Errors
 /// A start without residuals or Jacobian, and the wish to stop.
@@ -78,7 +81,7 @@ pub(super) fn levenberg_marquardt<R: Residuals>(
         let half_sum = half_sum(problem, &residuals);
         problem.reached(&x, half_sum);
         let jacobian = problem.jacobian(&x, &evaluated)?;
-        let model = LinearModel::new(problem, (&x, bounds), &residuals, jacobian, &mut sizes);
+        let model = LinearModel::new(problem, (&x, bounds), &residuals, &jacobian, &mut sizes);
         let variable_sizes: Vec<f64> = x.iter().enumerate().map(|(i, &x)| problem.size(i, x)).collect();
         let is_small = |step: &DVector<f64>, share: f64| {
             step.iter().zip(&variable_sizes).all(|(step, size)| step.abs() <= share * size)
@@ -111,9 +114,13 @@ pub(super) fn levenberg_marquardt<R: Residuals>(
             }
         }
         let Some((trial, found)) = next else {
-            let LinearModel { jacobian, pulling, .. } = model;
+            let curvature = |row: usize, z: f64| {
+                let [_, slope, change] = problem.loss(row).rho(z);
+                (slope + 2.0 * change * z).max(0.0)
+            };
+            let curved = by_roots(&jacobian, &residuals, curvature);
             let iterations = taken;
-            return Ok(Least { x, evaluated, residuals, jacobian, pulling, half_sum, iterations, is_optimum, is_limit });
+            return Ok(Least { x, evaluated, residuals, jacobian, curved, half_sum, iterations, is_optimum, is_limit });
         };
         (x, taken) = (trial, taken + 1);
         (residuals, evaluated) = found;
@@ -124,11 +131,17 @@ fn half_sum<R: Residuals>(problem: &R, residuals: &DVector<f64>) -> f64 {
     0.5 * residuals.iter().enumerate().map(|(row, r)| problem.loss(row).rho(r * r)[0]).sum::<f64>()
 }
 
+/// Rows times the roots of numbers by their squared residuals.
+fn by_roots(jacobian: &DMatrix<f64>, residuals: &DVector<f64>, number: impl Fn(usize, f64) -> f64) -> DMatrix<f64> {
+    let mut rows = jacobian.clone();
+    for (row, r) in residuals.iter().enumerate() {
+        rows.row_mut(row).scale_mut(number(row, r * r).sqrt());
+    }
+    rows
+}
+
 /// Half the sum of squares of r + J s, within bounds of s.
 struct LinearModel<'s> {
-    jacobian: DMatrix<f64>,
-    /// With rows as their loss has them.
-    pulling: DMatrix<f64>,
     /// R and Q^T r of J = Q R.
     triangle: DMatrix<f64>,
     rest: DVector<f64>,
@@ -138,31 +151,27 @@ struct LinearModel<'s> {
 }
 
 impl<'s> LinearModel<'s> {
-    /// At a point, with rows and residuals as their loss has them; `sizes` grow to the norms of columns.
+    /// At a point, by the slopes of losses; `sizes` grow to the norms of columns.
     fn new<R: Residuals>(
         problem: &R,
         (x, bounds): (&[f64], &[(f64, f64)]),
         residuals: &DVector<f64>,
-        jacobian: DMatrix<f64>,
+        jacobian: &DMatrix<f64>,
         sizes: &'s mut [f64],
     ) -> Self {
-        let (mut pulling, mut rest) = (jacobian.clone(), residuals.clone());
-        for (row, r) in rest.iter_mut().enumerate() {
-            let [_, slope, curvature] = problem.loss(row).rho(*r * *r);
-            // a residual so far away that its cost is concave keeps its pull alone
-            let scale = (slope + 2.0 * curvature * *r * *r).max(f64::EPSILON).sqrt();
-            *r *= slope / scale;
-            pulling.row_mut(row).scale_mut(scale);
-        }
-        for (size, column) in sizes.iter_mut().zip(pulling.column_iter()) {
+        let slope = |row: usize, z: f64| problem.loss(row).rho(z)[1];
+        let matrix = by_roots(jacobian, residuals, slope);
+        let mut rest =
+            DVector::from_fn(residuals.len(), |row, _| slope(row, residuals[row].powi(2)).sqrt() * residuals[row]);
+        for (size, column) in sizes.iter_mut().zip(matrix.column_iter()) {
             *size = size.max(column.norm());
         }
-        let qr = pulling.clone().qr();
+        let qr = matrix.qr();
         qr.q_tr_mul(&mut rest);
         let triangle = qr.r();
         let rest = rest.rows(0, triangle.nrows()).into_owned();
         let bounds = x.iter().zip(bounds).map(|(x, (lower, upper))| (lower - x, upper - x)).collect();
-        LinearModel { jacobian, pulling, triangle, rest, sizes, bounds }
+        LinearModel { triangle, rest, sizes, bounds }
     }
 
     /// The step for a damping: where it would leave bounds it stops at them, and the other variables make the best of that.
@@ -277,8 +286,9 @@ mod tests {
             };
             let own = least(mean, [3.0, 0.0], [(-1e3, 1e3); 2]);
             let slope: f64 = VALUES.iter().map(|v| loss.rho((own.x[0] - v).powi(2))[1] * (own.x[0] - v)).sum();
-            assert!(own.is_optimum && slope.abs() < 1e-6 && own.x[0] <= most, "{loss:?} {:?} {slope}", own.x);
-            assert_eq!(own.x[1], 0.0, "what changes nothing stays");
+            // of terms that sum to as much as 180
+            assert!(own.is_optimum && slope.abs() < 1e-4 && own.x[0] <= most, "{loss:?} {:?} {slope}", own.x);
+            assert!(own.x[1].abs() < 1e-9, "what changes nothing stays");
         }
     }
 
