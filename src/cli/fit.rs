@@ -18,6 +18,7 @@ use costate::design::DesignVariable;
 use costate::integrators::RunError;
 use costate::optimize::runs_at_once::run_at_once;
 use costate::optimize::{Case, Combined, Fit, Fitted, FittedCurve};
+use costate::scalar::TANGENTS;
 use costate::scenes::{AnyScene, Measurement};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -161,8 +162,8 @@ fn announce(fit: &Fit) {
         problem.loss.name()
     ));
     print(format_args!(
-        "derivatives by {} for up to 8 variables each, where adjoint sweeps would be {values}",
-        count(varying.div_ceil(8), "tangent run")
+        "derivatives by {} for up to {TANGENTS} variables each, where adjoint sweeps would be {values}",
+        count(varying.div_ceil(TANGENTS), "tangent run")
     ));
     for Case { name, method, settings, .. } in cases {
         let which = if name.is_empty() { "each design".into() } else { format!("scenario \"{name}\"") };

@@ -445,8 +445,10 @@ fn check_numbers(problem: &FitProblem, varying: usize) -> Result<(), RunError> {
         return Err(RunError::Input("no design variable may change: there is nothing to fit".into()));
     }
     if rows < varying {
+        let names: Vec<String> = problem.measurements.iter().map(|own| format!("\"{}\"", own.name)).collect();
+        let (names, priors) = (names.join(", "), if problem.priors.is_empty() { "" } else { " and priors" });
         return Err(RunError::Input(format!(
-            "{rows} numbers, of measurements and priors, cannot tell {varying} design variables: measure more, or name fewer by varying of [fit]"
+            "the {rows} numbers of measurement {names}{priors} cannot tell {varying} design variables: measure more, or name fewer by varying of [fit]"
         )));
     }
     let [with, without]: [Vec<&Measurement>; 2] = {

@@ -94,7 +94,8 @@
       axes: [axis(chart.x_label, 34), axis(chart.y_label, 62)],
       cursor: { sync: { key: overTime ? "time" : chart.x_label }, drag: { x: true, y: true, uni: 20 } },
       series: [{ label: chart.x_label, value: (_, value) => brief(value) }, ...chart.series.map((own, k) => ({
-        label: own.name || named(chart).series[k].name || chart.y_label, stroke: palette[k % palette.length], width: own.dots ? 0 : 1.6, points: { show: own.dots || few, size: 5 }, value: (_, value) => brief(value) }))],
+        label: own.name || named(chart).series[k].name || chart.y_label, stroke: palette[k % palette.length], width: 1.6, ...(own.dots && { paths: () => null }),
+        points: { show: own.dots || few, ...(own.dots && { size: 5, fill: palette[k % palette.length] }) }, value: (_, value) => brief(value) }))],
       hooks: { draw: [(plot) => {
         if (!overTime) return;
         const line = (t, dashes) => {
