@@ -44,7 +44,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 49] = [
+const OTHERS: [(&str, &str, &str); 51] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),

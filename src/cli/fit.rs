@@ -48,6 +48,8 @@ const UNKNOWN: f64 = 1.0;
 const NO_CHANCE: f64 = 4.0;
 /// Values between steps that may be wrong by more than this share of a deviation change what is fitted.
 const BETWEEN_STEPS: f64 = 0.1;
+/// Deviations within which 95 % of the points of two normal variables lie: the root of -2 ln 0.05.
+const ELLIPSE: f64 = 2.447_746_830_680_816;
 /// Starts whose sums differ by less than this share end at the same place.
 const SAME_SUM: f64 = 1e-6;
 
@@ -258,11 +260,15 @@ impl<'r> Report<'r> {
         table
     }
 
+    /// Variables that are determined.
+    fn known(&self) -> Vec<usize> {
+        let confidence = &self.fitted.confidence;
+        (0..confidence.estimated.len()).filter(|&own| confidence.deviation(own).is_finite()).collect()
+    }
+
     /// Correlations of the variables that are determined.
     fn correlations(&self) -> Table {
-        let confidence = &self.fitted.confidence;
-        let known: Vec<usize> =
-            (0..confidence.estimated.len()).filter(|&own| confidence.deviation(own).is_finite()).collect();
+        let (confidence, known) = (&self.fitted.confidence, self.known());
         let names = known.iter().map(|&own| self.variable(own).name.as_str());
         let mut table = Table::new(&["correlation"].into_iter().chain(names).collect::<Vec<_>>());
         for &i in known.iter().filter(|_| known.len() > 1) {
@@ -439,6 +445,36 @@ impl<'r> Report<'r> {
         charts
     }
 
+    /// The ellipse in which the two variables that are most correlated lie with a probability of 95 %.
+    fn ellipse(&self) -> Option<Chart> {
+        let (confidence, known) = (&self.fitted.confidence, self.known());
+        let pairs = known.iter().enumerate().flat_map(|(k, &i)| known[..k].iter().map(move |&j| (j, i)));
+        let size = |pair: &(usize, usize)| confidence.correlation(pair.0, pair.1).abs();
+        let (i, j) = pairs.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        let correlation = confidence.correlation(i, j);
+        let of = |own: usize| {
+            let place = self.fit.varying()[confidence.estimated[own]];
+            (self.fitted.design[place], confidence.deviation(own), &self.fit.variables()[place])
+        };
+        let ((x, by_x, first), (y, by_y, second)) = (of(i), of(j));
+        let half = |name: &str, sign: f64| {
+            let point = |k: i32| {
+                let angle = f64::from(k) / 60.0 * std::f64::consts::PI;
+                let (along, across) = (-ELLIPSE * angle.cos(), sign * ELLIPSE * angle.sin());
+                let up = correlation * along + (1.0 - correlation * correlation).sqrt() * across;
+                (x + by_x * along, y + by_y * up)
+            };
+            Series { name: name.into(), points: (0..=60).map(point).collect(), style: Style::Line }
+        };
+        Some(Chart {
+            title: format!("{} and {}: 95 % lie within", first.name, second.name),
+            x_label: format!("{} [{}]", first.name, first.unit),
+            y_label: format!("{} [{}]", second.name, second.unit),
+            series: vec![half("from above", 1.0), half("from below", -1.0)],
+            ..Chart::default()
+        })
+    }
+
     fn page(&self) -> Page {
         let Report { fit, fitted, .. } = self;
         let mut page = Page::by_command(fit.scene, "fit to measurements");
@@ -446,6 +482,7 @@ impl<'r> Report<'r> {
         page.fact("loss", fit.problem.loss.name());
         self.summary().show(&mut page);
         page.charts("Measured and computed", &self.charts());
+        page.charts("Most correlated variables", self.ellipse().as_slice());
         page
     }
 

@@ -87,9 +87,16 @@ pub struct Fitted {
 /// A design simulated in all cases.
 struct Simulated<'s> {
     design: Vec<f64>,
-    runs: Vec<(Prepared<'s>, Forward, Vec<Samples>)>,
+    runs: Vec<CaseRun<'s>>,
     values: Vec<f64>,
     between_steps: Vec<f64>,
+}
+
+/// A case as its derivatives need it.
+struct CaseRun<'s> {
+    prepared: Prepared<'s>,
+    forward: Forward,
+    samples: Vec<Samples>,
 }
 
 impl<'s> Fit<'s> {
@@ -224,7 +231,7 @@ impl<'s> Fit<'s> {
         for own in &self.problem.measurements {
             let rows = first..first + own.times.len();
             first = rows.end;
-            let unit = |row: usize| own.deviations.as_ref().map_or(1.0, |all| all[row - rows.start]);
+            let unit = |row: usize| own.deviation(row - rows.start);
             let deviation = |row: usize| {
                 let derivatives: Vec<f64> = jacobian.row(row).iter().copied().collect();
                 unit(row) * confidence.of_number(&derivatives, &sizes)
@@ -248,9 +255,14 @@ impl<'s> Fit<'s> {
         self.varying.iter().map(|&place| of(&self.variables[place])).collect()
     }
 
+    /// Numbers of the cases in which something was measured.
+    fn measured_cases(&self) -> Vec<usize> {
+        (0..self.cases.len()).filter(|case| self.places.iter().any(|own| own.0 == *case)).collect()
+    }
+
     /// Runs all cases, several at once.
     fn simulate(&self, design: &[f64], wants_to_stop: &(dyn Fn() -> bool + Sync)) -> Result<Simulated<'s>, RunError> {
-        let cases: Vec<usize> = (0..self.cases.len()).filter(|case| self.places.iter().any(|own| own.0 == *case)).collect();
+        let cases = self.measured_cases();
         let runs = all_at_once(cases.len(), |number| {
             let case = &self.cases[cases[number]];
             let run = self.simulate_case(cases[number], design, wants_to_stop);
@@ -260,22 +272,18 @@ impl<'s> Fit<'s> {
                 error => RunError::Input(case.told(error.to_string())),
             })
         })?;
-        let (mut of_cases, mut simulated) = (Vec::new(), Vec::new());
-        for (run, values, between_steps) in runs {
-            of_cases.push(values.into_iter().zip(between_steps).collect::<Vec<_>>());
-            simulated.push(run);
-        }
+        let (runs, of_cases) = runs.into_iter().unzip();
         let (values, between_steps) = self.in_order(&cases, of_cases).into_iter().unzip();
-        Ok(Simulated { design: design.to_vec(), runs: simulated, values, between_steps })
+        Ok(Simulated { design: design.to_vec(), runs, values, between_steps })
     }
 
-    #[allow(clippy::type_complexity)]
+    /// A case with its values, and how exact these are between steps.
     fn simulate_case(
         &self,
         number: usize,
         design: &[f64],
         wants_to_stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<((Prepared<'s>, Forward, Vec<Samples>), Vec<f64>, Vec<f64>), RunError> {
+    ) -> Result<(CaseRun<'s>, Vec<(f64, f64)>), RunError> {
         let Case { scene, method, settings, .. } = &self.cases[number];
         let mut prepared = Prepared::with(*scene, design, method.clone(), settings.clone())?;
         prepared.keep_steps_of(&self.grids[number]);
@@ -294,11 +302,12 @@ impl<'s> Fit<'s> {
         if let Some(value) = sampled.values.iter().find(|own| !own.is_finite()) {
             return Err(RunError::Input(format!("a measured quantity is {value}: look at its formula and parameters")));
         }
-        Ok(((prepared, sampled.forward, samples), sampled.values, sampled.between_steps))
+        let values = sampled.values.into_iter().zip(sampled.between_steps).collect();
+        Ok((CaseRun { prepared, forward: sampled.forward, samples }, values))
     }
 
     /// What cases have for their own measurements, in the order of all.
-    fn in_order<T: Clone>(&self, cases: &[usize], of_cases: Vec<Vec<T>>) -> Vec<T> {
+    fn in_order<T>(&self, cases: &[usize], of_cases: Vec<Vec<T>>) -> Vec<T> {
         let mut rest: Vec<_> = of_cases.into_iter().map(Vec::into_iter).collect();
         let mut all = Vec::new();
         for (place, own) in self.places.iter().zip(&self.problem.measurements) {
@@ -310,9 +319,8 @@ impl<'s> Fit<'s> {
 
     /// Residuals of computed values, and of priors behind them.
     fn residuals_of(&self, design: &[f64], values: &[f64]) -> Vec<f64> {
-        let measured = self.problem.measurements.iter().flat_map(|own| {
-            (0..own.times.len()).map(|k| (own.values[k], own.deviations.as_ref().map_or(1.0, |all| all[k])))
-        });
+        let measured =
+            self.problem.measurements.iter().flat_map(|own| (0..own.times.len()).map(|k| (own.values[k], own.deviation(k))));
         let of_prior = |own: &Prior| (design[self.place_of(own)] - own.mean) / own.deviation;
         let of_values = values.iter().zip(measured).map(|(value, (measured, deviation))| (value - measured) / deviation);
         of_values.chain(self.problem.priors.iter().map(of_prior)).collect()
@@ -324,18 +332,14 @@ impl<'s> Fit<'s> {
 
     /// Derivatives of the residuals by the variables that vary.
     fn rows<S: RunScalar>(&self, simulated: &Simulated) -> Result<DMatrix<f64>, RunError> {
-        let cases: Vec<usize> = (0..self.cases.len()).filter(|case| self.places.iter().any(|own| own.0 == *case)).collect();
+        let cases = self.measured_cases();
         let of_cases = all_at_once(cases.len(), |number| {
-            let (prepared, forward, samples) = &simulated.runs[number];
+            let CaseRun { prepared, forward, samples } = &simulated.runs[number];
             let analysis = prepared.analysis();
             Ok(analysis.sampled_by_design::<S>(&simulated.design, &self.varying, forward, samples)?.0)
         })?;
         let mut rows = self.in_order(&cases, of_cases);
-        let deviations = self
-            .problem
-            .measurements
-            .iter()
-            .flat_map(|own| (0..own.times.len()).map(|k| own.deviations.as_ref().map_or(1.0, |all| all[k])));
+        let deviations = self.problem.measurements.iter().flat_map(|own| (0..own.times.len()).map(|k| own.deviation(k)));
         for (row, deviation) in rows.iter_mut().zip(deviations) {
             row.iter_mut().for_each(|entry| *entry /= deviation);
         }
@@ -417,8 +421,20 @@ fn check_unit(own: &Measurement, functional: &str, unit: &str) -> Result<(), Run
     }
 }
 
-/// Whether all times lie in the run, whatever the delay.
+/// Whether there are as many values and deviations as times, which lie in the run, whatever the delay.
 fn check_times(own: &Measurement, end: f64, delay: Option<&DesignVariable>) -> Result<(), RunError> {
+    let Measurement { name, times, values, deviations, .. } = own;
+    let counts = [times.len(), values.len(), deviations.as_ref().map_or(times.len(), Vec::len)];
+    let is_sound = counts.iter().all(|count| *count == counts[0])
+        && values.iter().all(|own| own.is_finite())
+        && deviations.iter().flatten().all(|own| *own > 0.0);
+    if !is_sound {
+        let [times, values, deviations] = counts;
+        return Err(RunError::Input(format!(
+            "measurement \"{name}\" has {times} times, {values} values and {deviations} deviations: there must be as many, values must be finite, and \
+             deviations greater than 0"
+        )));
+    }
     let (least, most) = delay.map_or((0.0, 0.0), |own| (own.lower, own.upper));
     let (Some(first), Some(last)) = (own.times.first(), own.times.last()) else {
         return Err(RunError::Input(format!("measurement \"{}\" has no values", own.name)));

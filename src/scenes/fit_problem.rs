@@ -59,6 +59,13 @@ pub struct Measurement {
     pub delay: Option<String>,
 }
 
+impl Measurement {
+    /// Deviation of a value; 1 where none are known.
+    pub(crate) fn deviation(&self, place: usize) -> f64 {
+        self.deviations.as_ref().map_or(1.0, |all| all[place])
+    }
+}
+
 /// What is known of a design variable beside the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {

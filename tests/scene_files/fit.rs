@@ -58,12 +58,15 @@ fn told(case: usize, table: &str, changes: &[(&str, &str)]) -> String {
     }
 }
 
+/// A table, what is replaced by what in the scene, and parts of what is said.
+type Case<'c> = (&'c str, Vec<(&'c str, String)>, &'c [&'c str]);
+
 #[test]
 fn what_is_wrong_with_measurements_is_told() {
     from_root();
     let row = |row: &str| format!("{TABLE}{row}\n");
     let fit = |keys: &str| ("deviation = 0.01\n", format!("deviation = 0.01\n[fit]\n{keys}\n"));
-    let cases: [(&str, Vec<(&str, String)>, &[&str]); 18] = [
+    let cases: [Case; 18] = [
         ("", vec![], &["scene.toml:25:8: file", "no lines with numbers"]),
         ("t,x\n", vec![], &["0 lines of numbers"]),
         (
