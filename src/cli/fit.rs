@@ -432,8 +432,8 @@ impl<'r> Report<'r> {
                 ..Chart::default()
             };
             let both = vec![
-                series("measured", Style::Markers, &|k| own.values[k]),
                 series("computed", Style::Line, &|k| values[k]),
+                series("measured", Style::Markers, &|k| own.values[k]),
                 series("+2 deviations", Style::Line, &|k| values[k] + 2.0 * deviations[k]),
                 series("-2 deviations", Style::Line, &|k| values[k] - 2.0 * deviations[k]),
             ];
@@ -459,12 +459,12 @@ impl<'r> Report<'r> {
         let ((x, by_x, first), (y, by_y, second)) = (of(i), of(j));
         let half = |name: &str, sign: f64| {
             let point = |k: i32| {
-                let angle = f64::from(k) / 60.0 * std::f64::consts::PI;
+                let angle = f64::from(k) / 120.0 * std::f64::consts::PI;
                 let (along, across) = (-ELLIPSE * angle.cos(), sign * ELLIPSE * angle.sin());
                 let up = correlation * along + (1.0 - correlation * correlation).sqrt() * across;
                 (x + by_x * along, y + by_y * up)
             };
-            Series { name: name.into(), points: (0..=60).map(point).collect(), style: Style::Line }
+            Series { name: name.into(), points: (0..=120).map(point).collect(), style: Style::Line }
         };
         Some(Chart {
             title: format!("{} and {}: 95 % lie within", first.name, second.name),

@@ -85,7 +85,7 @@
     const box = element("div", null, card);
     const x = floats(chart.x);
     const data = [x, ...chart.series.map((own) => Array.from(floats(own.y), (y) => (Number.isFinite(y) && (!chart.log || y > 0) ? y : null)))];
-    const few = x.length < 80;
+    const few = x.length < 80 && !chart.series.some((own) => own.dots);
     const axis = (label, size) => ({ label, stroke: () => style("--soft"), grid: { stroke: () => style("--line"), width: 1 }, ticks: { show: false },
       size, labelSize: 18, font: "12px system-ui", labelFont: "12px system-ui", values: (_, all) => all.map((value) => (value === null ? "" : brief(value))) });
     const overTime = chart.x_label.startsWith("time");

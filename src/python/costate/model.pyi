@@ -656,12 +656,12 @@ class Model:
         """A measured curve to which `costate fit` fits the design variables: the quantity of a functional at given times.
 
         * ``name`` (text): what results call it
-        * ``functional`` (text): name of the functional whose quantity was measured, of a scenario as in "stress \\[hover\\]"; what it makes of that over time counts for nothing here
+        * ``functional`` (text): name of the functional whose quantity was measured, of a scenario as in "stress [hover]"; what it makes of that over time counts for nothing here
         * ``file`` (text): a text file with a line for each time (CSV), beside the scene file
         * ``columns`` (list of 2 times whole number, optional): which columns of the file have the times and the values, by the names in its first line or by numbers from 1 on; the first two. A unit behind a name, as in `angle [rad]` or `angle (rad)`, must be that of the functional, and may be left out here
         * ``deviation`` (number or formula, optional): standard deviation of the errors of all values; without it and `deviations` errors of all measurements are alike, and their size follows from what the fit leaves [unit]
         * ``deviations`` (text, optional): name of a column with the standard deviation of the error of each value; deviation
-        * ``delay`` (text, optional): name of a design variable \\[s\\]: what is measured at t is what the motion has at t less this; none
+        * ``delay`` (text, optional): name of a design variable [s]: what is measured at t is what the motion has at t less this; none
         """
     def settings(
         self,

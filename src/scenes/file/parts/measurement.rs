@@ -8,7 +8,7 @@ pub(super) const SECTION: Section = Section {
         need(
             "functional",
             Text,
-            "name of the functional whose quantity was measured, of a scenario as in \"stress \\[hover\\]\"; what it makes of that over time counts for \
+            "name of the functional whose quantity was measured, of a scenario as in \"stress [hover]\"; what it makes of that over time counts for \
              nothing here"
         ),
         need("file", Text, "a text file with a line for each time (CSV), beside the scene file"),
@@ -28,7 +28,7 @@ pub(super) const SECTION: Section = Section {
         may(
             "delay",
             Text,
-            "name of a design variable \\[s\\]: what is measured at t is what the motion has at t less this; none"
+            "name of a design variable [s]: what is measured at t is what the motion has at t less this; none"
         ),
     ],
     space: "measurement",
