@@ -115,6 +115,9 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "double-pendulum", "--method", "statics"], &["--method \"statics\"", "\"static\"?"]),
         (&["run", "free-body", "--method", "static"], &["initial velocity", "in statics nothing moves"]),
         (&["optimize", "pendulum"], &["\"pendulum\" states no optimization problem", "five-bar", "slider-crank"]),
+        (&["fit", "pendulum"], &["\"pendulum\" has no measurements", "damped-oscillator"]),
+        (&["fit", "damped-oscillator", "--end", "1"], &["\"place of the mass\" has a value at 3 s", "from 0 to 1 s"]),
+        (&["fit", "damped-oscillator", "--restart", "no.csv"], &["--restart no.csv", "cannot read no.csv"]),
         (&["optimize", "five-bar", "--optimizer", "spq"], &["--optimizer \"spq\"", "did you mean \"sqp\"?"]),
         (&["optimize", "five-bar", "--gradient", "difference:2"], &["--gradient", "'difference:2'", "between 0 and 1"]),
         (&["optimize", "five-bar", "--iterations", "0"], &["--iterations", "'0'", "whole number from 1 to"]),
@@ -597,9 +600,21 @@ fn a_new_file_runs_and_its_gradient_is_right() {
 #[test]
 fn the_help_of_every_command_has_examples() {
     let folder = Folder::new("help");
-    for command in
-        ["run", "gradient", "optimize", "sweep", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
-    {
+    for command in [
+        "run",
+        "gradient",
+        "optimize",
+        "fit",
+        "sweep",
+        "modes",
+        "verify",
+        "check",
+        "new",
+        "schema",
+        "list",
+        "completions",
+        "man",
+    ] {
         let help = text(&folder.run(&[command, "--help"]).stdout);
         // the parser of the command line adds its lists of values behind the last line of a description
         let own = |line: &&str| !["Usage", "[default: ", "[possible values: "].iter().any(|added| line.contains(added));
@@ -970,6 +985,31 @@ fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {
     assert!(number(&object["objective"]["after"]) < after, "{object}");
     let sweeps = object["gradient_sweeps"].as_u64().unwrap();
     assert_eq!(sweeps % 4, 0, "one simulation for each of four variables");
+}
+
+#[test]
+fn a_fit_says_how_exactly_variables_are_known_and_is_taken_up_from_its_history() {
+    let folder = Folder::new("fit");
+    let common = ["fit", "damped-oscillator", "--json"];
+    let output = folder.run(&[&common[..], &["--iterations", "2"]].concat());
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("the limit of 2 iterations is reached"), "{}", text(&output.stderr));
+    let first = json(&output);
+    let output = folder.run(&[&common[..], &["--restart", "out/damped-oscillator/fit.csv", "--out", "again"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let object = json(&output);
+    assert_eq!(object["variables"][0]["before"], first["variables"][0]["estimate"], "the same bits");
+    // by these the table was made
+    for (variable, truth) in object["variables"].as_array().unwrap().iter().zip([80.0, 1.6, 0.1]) {
+        let [estimate, deviation] = ["estimate", "deviation"].map(|key| variable[key].as_f64().unwrap());
+        assert!((estimate - truth).abs() < 3.0 * deviation && deviation < 0.03 * truth, "{variable}");
+    }
+    assert_eq!(object["degrees_of_freedom"], 57);
+    let (header, rows) = csv(&folder.0.join("again/residuals.csv"));
+    assert_eq!((header.len(), rows.len()), (6, 60));
+    let sum: f64 = rows.iter().map(|row| row[5] * row[5]).sum();
+    assert!((sum / object["sum"].as_f64().unwrap() - 1.0).abs() < 1e-12);
+    assert!(folder.0.join("again/fit.html").is_file() && text(&output.stdout).contains("least known: 0.92 damping"));
 }
 
 /// Thrown upwards: sharp or not, what is limited is a smooth maximum, and the stone itself goes higher.

@@ -122,7 +122,7 @@ fn commands_on_the_pages_run() {
 
 #[test]
 fn options_on_the_pages_exist() {
-    let commands = ["run", "gradient", "optimize", "sweep", "modes", "verify", "check", "list", "import", "response"];
+    let commands = ["run", "gradient", "optimize", "fit", "sweep", "modes", "verify", "check", "list", "import", "response"];
     let help: String = commands
         .iter()
         .map(|command| String::from_utf8(costate(root(), &[command.to_string(), "--help".into()]).stdout).unwrap())

@@ -44,7 +44,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 49] = [
+const OTHERS: [(&str, &str, &str); 51] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -106,6 +106,8 @@ const OTHERS: [(&str, &str, &str); 49] = [
     ("assembly/resting.rs", "add_gradient", "adds up what copies of parameters got"),
     ("elements/at_rest.rs", "turn_gradient", "of a recording"),
     ("optimize/evaluations.rs", "gradients", "those of a program, kept"),
+    ("optimize/fit.rs", "jacobian", "by runs with derivative parts"),
+    ("optimize/levenberg_marquardt.rs", "jacobian", "the contract of residuals"),
     ("optimize/program.rs", "gradients", "the contract of a program to be optimized"),
     ("optimize/scaling.rs", "gradient", "in scaled variables"),
     ("cli/gradient.rs", "adjoint_work", "counts"),

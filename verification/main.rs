@@ -18,6 +18,8 @@ mod element_cost;
 #[path = "events/study.rs"]
 mod events;
 mod falling;
+#[path = "fit/study.rs"]
+mod fit;
 #[path = "flexible-pendulum/study.rs"]
 mod flexible_pendulum;
 #[path = "four-bar/study.rs"]
@@ -119,5 +121,6 @@ fn all() -> Vec<Box<dyn Study>> {
         Box::new(rigid_spring_beam::RigidSpringBeamStudy),
         Box::new(suspension::SuspensionStudy),
         Box::new(flexible_pendulum::PendulumOfCable),
+        Box::new(fit::FitToMeasurements),
     ]
 }

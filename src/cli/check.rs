@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::options::{located, named};
 use clap::Args;
 use costate::integrators::RunError;
-use costate::optimize::Optimization;
+use costate::optimize::{Fit, Optimization};
 use costate::scenes::file::OwnParts;
 use costate::scenes::{AnyScene, Prepared, Scenario, check_modes};
 use serde_json::json;
@@ -26,10 +26,13 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
     Scenario::all_of(&*scene).into_iter().try_for_each(|own| check(options, &own.name, own.scene))
 }
 
-/// Checks the optimization problem of a scene and the names in it.
+/// Checks the optimization problem of a scene, its measurements, and the names in them.
 fn check_problem(scene: &dyn AnyScene, options: &CheckOptions) -> Result<(), Failure> {
     if scene.optimization_problem().is_some() {
         Optimization::of(scene).map_err(|why| named(&options.scene, Failure::from(why)))?;
+    }
+    if scene.fit_problem().is_some() {
+        Fit::of(scene).map_err(|why| Failure::input(located(scene, &options.scene, why.into()).message))?;
     }
     Ok(())
 }

@@ -47,6 +47,13 @@ impl CommandLine<'_> {
                 (format!("optimize {better}"), "the problem that the scene states"),
                 (format!("optimize {better} --iterations 20 --json"), "with one JSON object behind the tables"),
             ],
+            "fit" => {
+                let measured = self.example_scene(|scene| scene.fit_problem().is_some(), "damped-oscillator");
+                vec![
+                    (format!("fit {measured}"), "the variables that fit its measurements, and how exactly"),
+                    (format!("fit {measured} --starts 8"), "from eight designs within the bounds"),
+                ]
+            }
             "response" => vec![(
                 "response beam.toml --by force --rates 1:1000:200:log".into(),
                 "amplitude and phase of the functionals of a scene file over the rate of a force",

@@ -41,6 +41,7 @@ mod earlier;
 mod energy_balance;
 mod examples;
 mod failure;
+mod fit;
 mod gradient;
 mod histories;
 mod history_charts;
@@ -110,6 +111,8 @@ enum Command {
     Gradient(gradient::GradientOptions),
     /// Improve a scene's design by what the scene states: objective, limits, variables
     Optimize(optimize::OptimizeOptions),
+    /// Fit a scene to what was measured: values of its variables, how exactly these are known
+    Fit(fit::FitOptions),
     /// Run a scene at many designs, several at once: grids and samples of its variables
     Sweep(sweep::SweepOptions),
     /// Frequencies and shapes of small vibrations about the start of a scene or another equilibrium
@@ -294,6 +297,7 @@ impl<'p> CommandLine<'p> {
             Command::Run(options) => run::run(options, self),
             Command::Gradient(options) => gradient::run(options, self),
             Command::Optimize(options) => optimize::run(options, self),
+            Command::Fit(options) => fit::run(options, self),
             Command::Sweep(options) => sweep::run(options, self),
             Command::Modes(options) => modes::run(options, self),
             Command::Response(options) => response::run(options, self),

@@ -58,8 +58,8 @@ pub struct OptimizeOptions {
 
 /// Relative change of variables for differences that balances their error and round-off.
 const DEFAULT_SHARE: f64 = 1e-7;
-const MOST_ITERATIONS: usize = 1_000_000;
-const MOST_STARTS: usize = 10_000;
+pub(super) const MOST_ITERATIONS: usize = 1_000_000;
+pub(super) const MOST_STARTS: usize = 10_000;
 
 fn gradient_by(text: &str) -> Result<GradientBy, String> {
     let by_difference = |share| GradientBy::Difference { share };
@@ -91,13 +91,13 @@ fn gradient_name(gradient: GradientBy) -> &'static str {
 
 /// Writes the history whenever it changes, but not before it has the points of the one that it goes on with; moves the
 /// progress bar, and stops at Ctrl-C.
-struct Recording<'g> {
-    path: PathBuf,
+pub(super) struct Recording<'g> {
+    pub path: PathBuf,
     /// How many points that one has.
-    earlier: usize,
-    guard: &'g Guard,
-    progress: Option<Progress>,
-    failed: Option<IoError>,
+    pub earlier: usize,
+    pub guard: &'g Guard,
+    pub progress: Option<Progress>,
+    pub failed: Option<IoError>,
 }
 
 impl Watcher for Recording<'_> {
@@ -173,7 +173,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
 }
 
 /// The scenarios of a scene, or the scene itself, as the options have them simulated.
-fn cases<'s>(options: &SceneOptions, scene: &'s dyn AnyScene) -> Result<Vec<Case<'s>>, Failure> {
+pub(super) fn cases<'s>(options: &SceneOptions, scene: &'s dyn AnyScene) -> Result<Vec<Case<'s>>, Failure> {
     let case = |Scenario { name, scene }: Scenario<'s>| {
         let (method, settings) = options.simulation(scene)?;
         Ok(Case { name, scene, method: options.differentiable(method)?, settings })
@@ -273,13 +273,23 @@ impl CommandLine<'_> {
 /// The design of `--restart` or `--set`.
 fn start(options: &OptimizeOptions, optimization: &Optimization) -> Result<Vec<f64>, Failure> {
     let Some(file) = &options.restart else { return options.scene.design(optimization.scene) };
+    let maximize = optimization.problem.sense == Sense::Maximize;
+    restarted(file, &options.scene, optimization.variables(), maximize, optimization.stopping.violation)
+}
+
+/// The best design of the table of an earlier search.
+pub(super) fn restarted(
+    file: &Path,
+    options: &SceneOptions,
+    variables: &[DesignVariable],
+    maximize: bool,
+    tolerance: f64,
+) -> Result<Vec<f64>, Failure> {
     let named = |message: String| Failure::input(format!("--restart {}: {message}", file.display()));
-    if !options.scene.set.is_empty() {
+    if !options.set.is_empty() {
         return Err(named("the design comes from the file; leave --set out".into()));
     }
     let (header, rows) = read_csv(file).map_err(named)?;
-    let maximize = optimization.problem.sense == Sense::Maximize;
-    let (variables, tolerance) = (optimization.variables(), optimization.stopping.violation);
     let best = DesignHistory::best_of_table(&header, &rows, variables, maximize, tolerance).map_err(named)?;
     print(format_args!("starts at evaluation {} of {}", best.evaluation, file.display()));
     Ok(best.design)
@@ -391,7 +401,11 @@ impl<'r> Report<'r> {
             summary.words(format!("{} could not be simulated{why}", count(ended.failed, "design")));
         }
         summary.conditions(optimization, optimized, best);
-        summary.words(format!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
+        summary.words(format!(
+            "best design, evaluation {}:{}\n",
+            best.evaluation,
+            settings(optimization.variables(), &optimization.varying(), &best.design)
+        ));
         summary
     }
 
@@ -437,16 +451,6 @@ impl<'r> Report<'r> {
             }
         }
         first.ok_or_else(|| RunError::Input("there is no scenario to run".into()))
-    }
-
-    /// `--set` options that repeat the best design.
-    fn settings(&self) -> String {
-        let option = |place: usize| {
-            let (name, value) = (&self.optimization.variables()[place].name, self.best.design[place]);
-            let quote = if name.contains(' ') { "\"" } else { "" };
-            format!(" --set {quote}{name}={value}{quote}")
-        };
-        self.optimization.varying().into_iter().map(option).collect()
     }
 
     fn json(&self, files: &[PathBuf]) -> Value {
@@ -518,4 +522,14 @@ impl<'r> Report<'r> {
             _ => Ok(()),
         }
     }
+}
+
+/// `--set` options that repeat a design.
+pub(super) fn settings(variables: &[DesignVariable], varying: &[usize], design: &[f64]) -> String {
+    let option = |&place: &usize| {
+        let (name, value) = (&variables[place].name, design[place]);
+        let quote = if name.contains(' ') { "\"" } else { "" };
+        format!(" --set {quote}{name}={value}{quote}")
+    };
+    varying.iter().map(option).collect()
 }

@@ -113,6 +113,28 @@ impl NodeKind {
         }
     }
 
+    /// World acceleration of the body point `point` [m/s2], for second rates, rates and values of the coordinates, of which a rotation is a quadratic
+    /// form.
+    pub fn acceleration<S: Scalar>(self, [a, v, q]: [&[S]; 3], point: Vector3<S>) -> Vector3<S> {
+        let own = self.velocity(a, q, point);
+        match self {
+            NodeKind::Body => {
+                let rate = Quaternion::from_slice(&v[3..]);
+                own + rate.rotate_rate(rate, point)
+            }
+            _ => own,
+        }
+    }
+
+    /// A direction of the body in the world; that of the world where a node has no axes.
+    pub fn turned<S: Scalar>(self, q: &[S], direction: Vector3<S>) -> Vector3<S> {
+        match self {
+            NodeKind::Body => Quaternion::from_slice(&q[3..]).rotate(direction),
+            NodeKind::Natural => combine_columns(&columns(q), direction),
+            _ => direction,
+        }
+    }
+
     /// Velocities of its coordinates, into `v`, while the world turns with the angular velocity `omega` [rad/s] about the world point
     /// `about`: linear in what lies at the origin. Changes of coordinates turn like coordinates about the origin.
     pub fn turn<S: Scalar>(self, q: &[S], about: Vector3<S>, omega: Vector3<S>, v: &mut [S]) {

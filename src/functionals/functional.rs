@@ -92,6 +92,13 @@ impl<S: RunScalar> Sample<S> {
         }
     }
 
+    /// Moves to the end of a step whose ends may have derivative parts: its time and its rates have them, too.
+    pub(super) fn set_end(&mut self, step: &StepRecord<S>) {
+        self.set_terminal(step);
+        self.follow(step.clock);
+        step.lengthened.iter().for_each(|&part| self.t += part);
+    }
+
     /// Goes over to what events set at the end of a step.
     #[doc(hidden)]
     pub fn follow_events(&mut self, step: &StepRecord<S>, p: &[S]) {
@@ -120,7 +127,7 @@ impl<S: RunScalar> Sample<S> {
     }
 
     /// Goes over from laid time to the time of a clock, where there is one.
-    pub(super) fn follow(&mut self, clock: Option<Clock<S>>) {
+    pub(crate) fn follow(&mut self, clock: Option<Clock<S>>) {
         let Some(clock) = clock else { return };
         self.t = clock.time(self.t.value());
         clock.set_pace(&mut self.at);

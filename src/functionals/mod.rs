@@ -16,6 +16,7 @@ mod point_quantity;
 pub(crate) mod quantity;
 mod reactions;
 mod refused;
+mod run_parameters;
 mod shell_quantity;
 mod step_ends;
 mod values;
@@ -44,6 +45,7 @@ pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, Point
 pub(crate) use quantity::MeasuredQuantity;
 pub use quantity::{AnyQuantity, Quantity, QuantityPart, QuantityVisitor};
 pub(crate) use reactions::multipliers_without_forces;
+pub(crate) use run_parameters::RunParameters;
 pub use shell_quantity::{OfShells, ShellQuantity};
 #[doc(hidden)]
 pub use step_ends::StepEnds;

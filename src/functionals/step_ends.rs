@@ -28,6 +28,9 @@ impl<S: RunScalar> Mean<S> {
         for (stage, &weight) in step.stages.iter().zip(&table.scheme(step.scheme).quadrature.stages) {
             let solve = &stage.solve;
             solve.write_acceleration(&mut a);
+            if let Some(clock) = step.clock {
+                a.iter_mut().for_each(|a| *a *= clock.pace() * clock.pace());
+            }
             mean.t += weight * solve.equations.time_at(TermPoint::Reactions, solve.t);
             total += weight;
             for (sum, own) in [(&mut mean.a, &a), (&mut mean.mu, &solve.unknowns.mu)] {
@@ -59,7 +62,7 @@ impl<'t, S: RunScalar> StepEnds<'t, S> {
     /// Takes note of a step; returns the end of a step that is known now: its own, or that of the step before.
     pub fn add(&mut self, step: &StepRecord<S>) -> Option<Sample<S>> {
         let mut end = Sample::empty();
-        end.set_terminal(step);
+        end.set_end(step);
         if self.table.stiffly_accurate {
             return Some(end);
         }

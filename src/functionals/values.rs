@@ -1,10 +1,10 @@
 use super::aggregate::{SUMS, Totals};
 use super::extremes::{Extreme, Extremes, Seen, follow};
 use super::measured_group::GroupWork;
-use super::{Functional, Measured, Sample, StageWeight, Times};
+use super::{Functional, Measured, RunParameters, Sample, StageWeight, Times};
 use crate::assembly::Model;
 use crate::elements::RunScalar;
-use crate::integrators::{Combination, Events, SideChange, StartRecord, StepRecord, Table};
+use crate::integrators::{Combination, StartRecord, StepRecord, Table};
 
 /// Ends of steps of which is known how they alternate.
 const LATEST: usize = 5;
@@ -20,11 +20,7 @@ pub struct Values<'f, S> {
     functionals: &'f [Functional],
     model: &'f Model,
     table: &'f Table,
-    /// Parameters, with the sides of switches of functionals, and directions of slip, in the step that is made.
-    p: Vec<S>,
-    /// These sides and where they stand, if there are any.
-    sides: Vec<f64>,
-    switches: Option<Events>,
+    parameters: RunParameters<S>,
     /// Offsets follow the largest value; otherwise they are given.
     following: bool,
     /// Of aggregates: c, to which their sums are relative.
@@ -56,9 +52,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             functionals,
             model,
             table,
-            p: p.to_vec(),
-            sides: Vec::new(),
-            switches: (!model.measured.is_empty() || !model.frictions.is_empty()).then(|| Events::new(model)),
+            parameters: RunParameters::new(model, p),
             following: true,
             offsets: functionals.iter().map(|functional| functional.over.first_offset()).collect(),
             seen: vec![None; functionals.len()],
@@ -110,7 +104,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
     fn add(&mut self, k: usize, sample: &Sample<S>, weight: S) {
         let Functional { measured, over, .. } = &self.functionals[k];
         let (sums, offset, work) = (&mut self.sums[k], &mut self.offsets[k], &mut self.work);
-        measured.write_values(self.model, sample, &self.p, over.points(), work);
+        measured.write_values(self.model, sample, self.parameters.p(), over.points(), work);
         if let Some(aggregate) = over.aggregate() {
             if self.following {
                 follow(&mut self.seen[k], sample.t.value(), work.values.iter().map(|[y, _]| y.value()));
@@ -143,21 +137,14 @@ impl<'f, S: RunScalar> Values<'f, S> {
         (0..functionals.len()).filter(move |&k| functionals[k].over.times() == times)
     }
 
-    fn change_sides(&mut self, changes: &[SideChange]) {
-        let Some(events) = self.switches.as_ref().filter(|_| !self.sides.is_empty()) else { return };
-        changes.iter().for_each(|own| self.sides[own.switch] = own.sides[1]);
-        events.write(&self.sides, &mut self.p);
-    }
-
     /// The start of the run.
     pub fn start(&mut self, start: &StartRecord<S>) {
-        self.sides.clone_from(&start.sides);
-        self.change_sides(&[]);
+        self.parameters.start(start);
         for k in self.at(Times::Start) {
             let mut sample = Sample::initial(start);
             sample.follow(start.clock);
             if self.functionals[k].reads_multipliers() {
-                sample.share(self.model, &self.p);
+                sample.share(self.model, self.parameters.p());
             }
             self.read(k, &sample);
         }
@@ -166,15 +153,11 @@ impl<'f, S: RunScalar> Values<'f, S> {
     /// A finished step.
     pub fn step(&mut self, step: &StepRecord<S>) {
         let clock = step.clock;
-        if !step.switched.is_empty() {
-            self.change_sides(&step.switched);
-        }
+        self.parameters.step(step);
         if self.at(Times::End).next().is_some() {
             let last = self.last.get_or_insert_with(Sample::empty);
-            last.set_terminal(step);
-            last.follow(clock);
-            step.lengthened.iter().for_each(|&part| last.t += part);
-            last.follow_events(step, &self.p);
+            last.set_end(step);
+            last.follow_events(step, self.parameters.p());
         }
         if self.latest.is_some() {
             self.note_latest();
@@ -198,7 +181,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             sample.set_stage(step, stage);
             sample.follow(clock);
             if self.reading {
-                sample.share(self.model, &self.p);
+                sample.share(self.model, self.parameters.p());
             }
             let weight = StageWeight { integral: step.h * integral, aggregate: step.h * aggregate };
             for k in self.at(Times::Run) {
@@ -215,7 +198,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
 
     fn note_latest(&mut self) {
         let (Some(mut last), Some(mut latest)) = (self.last.take(), self.latest.take()) else { return };
-        last.share(self.model, &self.p);
+        last.share(self.model, self.parameters.p());
         for k in self.at(Times::End).filter(|&k| self.functionals[k].reads_multipliers()).collect::<Vec<_>>() {
             self.read(k, &last);
             let ((largest, own), value) = (&mut latest[k], self.so_far(k).value());
@@ -237,7 +220,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
     pub fn finish(mut self) -> (Vec<S>, Vec<Totals<S>>, Vec<Option<Extremes>>) {
         if let Some(mut last) = self.last.take() {
             if self.reading {
-                last.share(self.model, &self.p);
+                last.share(self.model, self.parameters.p());
             }
             for k in self.at(Times::End) {
                 self.read(k, &last);

@@ -15,7 +15,7 @@ macro_rules! pages {
 }
 
 pages!("": getting_started programs python own_parts joints beams cables shells meshes functionals time events contact statics gradients
-    optimization ranks files commands limits measured glossary changelog);
+    optimization fit ranks files commands limits measured glossary changelog);
 
 pub mod theory {
     #![doc = include_str!("links.txt")]

@@ -6,11 +6,14 @@
 //! [`Evaluations`], which remembers values, keeps the best point and says when to end. [`Sqp`] is the default one.
 
 mod conditions;
+mod confidence;
 mod curvature;
 mod design_program;
 mod escape;
 mod evaluations;
+mod fit;
 mod history;
+mod levenberg_marquardt;
 mod optimization;
 mod optimizer;
 mod program;
@@ -26,7 +29,9 @@ mod starts;
 mod subproblem;
 
 pub use conditions::Conditions;
+pub use confidence::{Combined, Confidence};
 pub use evaluations::{Ended, Evaluations, Point, Reason, Stopping};
+pub use fit::{Fit, Fitted, FittedCurve};
 pub use history::{DesignHistory, DesignPoint, Work};
 pub use optimization::{Case, GradientBy, Optimization, Optimized, Watcher};
 pub use optimizer::{Optimizer, minimize, optimizers};

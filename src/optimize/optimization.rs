@@ -98,7 +98,7 @@ impl<'s> Case<'s> {
     }
 
     /// What a functional of it is called.
-    fn full_name(&self, functional: &str) -> String {
+    pub(super) fn full_name(&self, functional: &str) -> String {
         if self.name.is_empty() { functional.into() } else { format!("{functional} [{}]", self.name) }
     }
 }

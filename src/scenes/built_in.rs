@@ -40,7 +40,7 @@ const FILES: &[(&str, &[u8])] = files!(
     "air-loads.toml" "rotor.toml" "ground-resonance.toml" "rotor-hub.toml" "rotor-hub-flight.toml" "road.csv"
     "bouncing-ball.toml" "knee-stop.toml" "latching-panel.toml" "pendulum-lets-go.toml" "crane-rope.toml"
     "mode-controller.toml" "escapement.toml" "billiards.toml" "cam.toml" "gripper.toml"
-    "slider-crank-clearance.toml" "walking-toy.toml"
+    "slider-crank-clearance.toml" "walking-toy.toml" "damped-oscillator.toml" "damped-oscillator.csv"
 );
 
 /// Names of the scenes.

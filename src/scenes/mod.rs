@@ -8,6 +8,7 @@ pub mod file;
 mod file_bytes;
 #[doc(hidden)]
 pub mod fingerprint;
+mod fit_problem;
 #[doc(hidden)]
 pub mod folder_name;
 mod gmsh;
@@ -49,6 +50,7 @@ use file_bytes::file_bytes;
 #[doc(hidden)]
 pub use fingerprint::fingerprint;
 pub(crate) use fingerprint::whole_number;
+pub use fit_problem::{FitProblem, Loss, Measurement, Prior};
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub use folder_name::check_folders;

@@ -1,6 +1,6 @@
-use super::ModeMeasure;
 use super::builder::MechanismBuilder;
 use super::optimization_problem::OptimizationProblem;
+use super::{FitProblem, ModeMeasure};
 use crate::design::DesignVariable;
 use crate::integrators::{ConstraintLevel, ConstraintPolicy, NewtonTolerance, STATIC_TABLE, StepControl};
 use crate::linalg::Backend;
@@ -123,6 +123,10 @@ pub trait Scene {
     fn optimization_problem(&self) -> Option<OptimizationProblem> {
         None
     }
+    /// What was measured, to which it is to be fitted, if anything.
+    fn fit_problem(&self) -> Option<FitProblem> {
+        None
+    }
     /// Numbers of modes of small vibrations that are measured beside its functionals.
     fn modes(&self) -> Vec<ModeMeasure> {
         Vec::new()
@@ -185,6 +189,10 @@ pub trait AnyScene: Sync {
     fn settings(&self) -> Settings;
     /// What is to be optimized.
     fn optimization_problem(&self) -> Option<OptimizationProblem>;
+    /// What it is to be fitted to.
+    fn fit_problem(&self) -> Option<FitProblem> {
+        None
+    }
     /// Numbers of modes that are measured.
     fn modes(&self) -> Vec<ModeMeasure>;
     /// What its runs write.
@@ -228,7 +236,7 @@ macro_rules! same_as_of_scene {
 impl<T: Scene + Sync> AnyScene for T {
     same_as_of_scene!(
         name -> String, summary -> String, variables -> Vec<DesignVariable>, settings -> Settings,
-        optimization_problem -> Option<OptimizationProblem>, modes -> Vec<ModeMeasure>, output -> Output,
+        optimization_problem -> Option<OptimizationProblem>, fit_problem -> Option<FitProblem>, modes -> Vec<ModeMeasure>, output -> Output,
         scenarios -> Vec<Scenario<'_>>
     );
     fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {

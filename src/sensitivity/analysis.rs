@@ -89,13 +89,12 @@ pub struct Gradient {
 /// Numbers below this are what cancelling terms of order one leave.
 const MAP_FLOOR: f64 = 1e-5;
 
-/// A design with derivatives along as many of its variables at a time as a number has parts, and along how many.
-pub(super) fn seeded_designs<S: RunScalar>(x: &[f64]) -> impl Iterator<Item = (Vec<S>, usize)> {
-    (0..x.len()).step_by(S::PARTS).map(|first| {
-        let lanes = S::PARTS.min(x.len() - first);
+/// A design with derivatives along as many of some variables at a time as a number has parts, and along how many.
+pub(super) fn seeded_designs<S: RunScalar>(x: &[f64], variables: &[usize]) -> impl Iterator<Item = (Vec<S>, usize)> {
+    variables.chunks(S::PARTS).map(|chosen| {
         let mut seeded: Vec<S> = x.iter().map(|&x| S::from(x)).collect();
-        (0..lanes).for_each(|lane| seeded[first + lane].add_to_part(lane, unit_part::<S>()));
-        (seeded, lanes)
+        (0..).zip(chosen).for_each(|(lane, &variable)| seeded[variable].add_to_part(lane, unit_part::<S>()));
+        (seeded, chosen.len())
     })
 }
 
@@ -415,7 +414,7 @@ impl<'m> Analysis<'m> {
     fn by_perturbed_runs<S: RunScalar>(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         self.check_forward(x, forward)?;
         let (mut rows, mut counters) = (vec![Vec::new(); self.functionals.len()], Counters::default());
-        for (seeded, lanes) in seeded_designs::<S>(x) {
+        for (seeded, lanes) in seeded_designs::<S>(x, &(0..x.len()).collect::<Vec<_>>()) {
             let (values, own) = self.perturbed_values(&seeded, forward)?;
             counters += own;
             for (row, value) in rows.iter_mut().zip(values) {

@@ -2,6 +2,7 @@
 
 mod adjoint;
 mod analysis;
+mod at_times;
 mod breakpoints;
 mod checks;
 mod happened;
@@ -17,6 +18,7 @@ mod transition;
 mod transposed;
 
 pub use analysis::{Analysis, Forward, Gradient};
+pub(crate) use at_times::Samples;
 pub(crate) use breakpoints::Breakpoints;
 pub use checks::{TaylorTest, largest_difference};
 pub use happened::EventTime;

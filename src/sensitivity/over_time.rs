@@ -44,7 +44,7 @@ impl Analysis<'_> {
         let count = self.functionals.len();
         let (values, derivatives) = (vec![Vec::new(); count], vec![Vec::new(); count]);
         let mut course = GradientCourse { values, derivatives, ..GradientCourse::default() };
-        for (seeded, lanes) in seeded_designs::<S>(x) {
+        for (seeded, lanes) in seeded_designs::<S>(x, &(0..x.len()).collect::<Vec<_>>()) {
             let (measured, counters) = self.measured_over_time(&seeded, forward, &mut course.times)?;
             for (functional, measured) in measured.iter().enumerate() {
                 course.values[functional] = measured.iter().map(|value| value.value()).collect();

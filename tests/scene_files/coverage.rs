@@ -23,14 +23,16 @@ const FILES: &[(&str, &str)] = &[
     ("events and stops", include_str!("coverage/events.toml")),
     ("friction and contacts", include_str!("coverage/friction.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
+    ("measurements", include_str!("coverage/fit.toml")),
     ("soft joints, tapered beams, profiles", include_str!("coverage/soft.toml")),
 ];
 
 /// What tables at these keys are called among the definitions of the schema: they are the same wherever they stand.
-const TABLES: [(&str, &str); 18] = [
+const TABLES: [(&str, &str); 19] = [
     ("arc", "arc"),
     ("constraint", "constraint"),
     ("linear", "linear"),
+    ("prior", "prior"),
     ("plies", "plies"),
     ("held", "held"),
     ("solids", "solids"),

@@ -5,6 +5,7 @@ mod complex_modes;
 mod coverage;
 mod equilibrium_start;
 mod extended;
+mod fit;
 mod formula_parts;
 mod laws;
 mod mechanisms;

@@ -12,7 +12,7 @@ pub use run_report::RunReport;
 pub use sections::Shown;
 
 use super::failure::Failure;
-use crate::io::{Chart, Series, Table, base64, write_file};
+use crate::io::{Chart, Series, Style, Table, base64, write_file};
 use costate::scenes::AnyScene;
 use flate2::read::GzDecoder;
 use serde_json::{Map, Value, json};
@@ -137,7 +137,7 @@ impl Page {
             };
             let curves: Vec<Value> = series
                 .iter()
-                .map(|own| json!({"name": own.name, "y": floats(kept(own).into_iter().map(|point| point.1))}))
+                .map(|own| json!({"name": own.name, "dots": own.style == Style::Markers, "y": floats(kept(own).into_iter().map(|point| point.1))}))
                 .collect();
             let x = series.first().map(kept).unwrap_or_default();
             let x = floats(x.into_iter().map(|point| point.0));
@@ -185,7 +185,6 @@ impl Page {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::Style;
     use costate::scenes::built_in;
 
     #[test]

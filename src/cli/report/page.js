@@ -85,7 +85,7 @@
     const box = element("div", null, card);
     const x = floats(chart.x);
     const data = [x, ...chart.series.map((own) => Array.from(floats(own.y), (y) => (Number.isFinite(y) && (!chart.log || y > 0) ? y : null)))];
-    const few = x.length < 80;
+    const few = x.length < 80 && !chart.series.some((own) => own.dots);
     const axis = (label, size) => ({ label, stroke: () => style("--soft"), grid: { stroke: () => style("--line"), width: 1 }, ticks: { show: false },
       size, labelSize: 18, font: "12px system-ui", labelFont: "12px system-ui", values: (_, all) => all.map((value) => (value === null ? "" : brief(value))) });
     const overTime = chart.x_label.startsWith("time");
@@ -94,7 +94,8 @@
       axes: [axis(chart.x_label, 34), axis(chart.y_label, 62)],
       cursor: { sync: { key: overTime ? "time" : chart.x_label }, drag: { x: true, y: true, uni: 20 } },
       series: [{ label: chart.x_label, value: (_, value) => brief(value) }, ...chart.series.map((own, k) => ({
-        label: own.name || named(chart).series[k].name || chart.y_label, stroke: palette[k % palette.length], width: 1.6, points: { show: few }, value: (_, value) => brief(value) }))],
+        label: own.name || named(chart).series[k].name || chart.y_label, stroke: palette[k % palette.length], width: 1.6, ...(own.dots && { paths: () => null }),
+        points: { show: own.dots || few, ...(own.dots && { size: 5, fill: palette[k % palette.length] }) }, value: (_, value) => brief(value) }))],
       hooks: { draw: [(plot) => {
         if (!overTime) return;
         const line = (t, dashes) => {

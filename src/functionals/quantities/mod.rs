@@ -1,5 +1,6 @@
 //! Quantities of points, joints, sections of beams and cables, and shells.
 
+mod acceleration;
 mod beam_section_force;
 mod beam_von_mises;
 mod cable_deflection;
@@ -23,12 +24,12 @@ mod von_mises;
 /// Quantities as types.
 pub(crate) mod types {
     pub use super::{
-        beam_section_force::BeamSectionForce, beam_von_mises::BeamVonMises, cable_deflection::CableDeflection,
-        cable_largest_stress::CableLargestStress, cable_section::CableQuantity, cable_von_mises::CableVonMises,
-        coordinate::Coordinate, distance::Distance, joint_angle::JointAngle, joint_displacement::JointDisplacement,
-        joint_displacement::JointSpeed, joint_rate::JointRate, position::Position, reaction::Reaction,
-        reaction_norm::ReactionNorm, section::SectionQuantity, target_distance::TargetDistance, tsai_wu::TsaiWu,
-        velocity::Velocity, von_mises::VonMises,
+        acceleration::Acceleration, beam_section_force::BeamSectionForce, beam_von_mises::BeamVonMises,
+        cable_deflection::CableDeflection, cable_largest_stress::CableLargestStress, cable_section::CableQuantity,
+        cable_von_mises::CableVonMises, coordinate::Coordinate, distance::Distance, joint_angle::JointAngle,
+        joint_displacement::JointDisplacement, joint_displacement::JointSpeed, joint_rate::JointRate, position::Position,
+        reaction::Reaction, reaction_norm::ReactionNorm, section::SectionQuantity, target_distance::TargetDistance,
+        tsai_wu::TsaiWu, velocity::Velocity, von_mises::VonMises,
     };
 }
 
@@ -44,7 +45,7 @@ entries! {
     QuantityPart, QuantityVisitor;
     /// What is measured at nodes, by the names that scene files and programs use, each described in its own file.
     QUANTITIES:
-    Position, Velocity, TargetDistance, Distance, Coordinate, JointAngle, JointRate, JointDisplacement, JointSpeed, CableDeflection;
+    Position, Velocity, Acceleration, TargetDistance, Distance, Coordinate, JointAngle, JointRate, JointDisplacement, JointSpeed, CableDeflection;
 }
 
 instantiate_here!(dyn AnyQuantity: CableLargestStress, CableQuantity, Reaction, ReactionNorm, SectionQuantity);

@@ -11,7 +11,7 @@ from .errors import CheckError, Error, InputError, InternalError, RecordingError
 from .model import Model
 from .numbers import floor, g_times, less, maximum, minimum, rotate, rotate_back, rotation, sign, where
 from .parts import Constraint, Element, Field, Parameter, Quantity, State, non_negative, number, point, positive
-from .results import Gradient, History, JointHistory, Mode, NodeHistory, Report, Run
+from .results import Fitted, FittedCurve, Gradient, History, JointHistory, Mode, NodeHistory, Report, Run
 from .scene_function import Variable, scene, variable
 from .scenes import DesignVariable, Functional, Scene, built_in, built_in_names, load, loads, value_and_grad
 
@@ -22,6 +22,8 @@ __all__ = [
     "Element",
     "Error",
     "Field",
+    "Fitted",
+    "FittedCurve",
     "Functional",
     "Gradient",
     "History",

@@ -34,6 +34,15 @@ class Scene:
     def response(
         self, at: tuple[Sequence[float] | None, dict[str, Any]], by: str, rates: Sequence[float]
     ) -> list[list[list[float]]]: ...
+    def fit(
+        self, x: Sequence[float]
+    ) -> tuple[
+        list[float],
+        list[list[float]],
+        list[int],
+        tuple[float, int, bool],
+        list[tuple[str, list[float], list[float], list[float]]],
+    ]: ...
     def run(self, x: Sequence[float] | None, options: dict[str, Any]) -> tuple[Run, BaseException | None]: ...
 
 class Run:

@@ -641,6 +641,28 @@ class Model:
         * ``measure`` ("frequency" or "growth", optional): its omega in rad/s (of one that topples minus its growth), or its growth in 1/s; frequency
         * ``damped`` (True or False, optional): with dampers, states of first order and what else depends on velocities, as about a steady turn always; false
         """
+    def measurement(
+        self,
+        name: str,
+        /,
+        *,
+        functional: str,
+        file: str,
+        columns: Sequence[int | str] | None = None,
+        deviation: Scalar | None = None,
+        deviations: str | None = None,
+        delay: str | None = None,
+    ) -> str:
+        """A measured curve to which `costate fit` fits the design variables: the quantity of a functional at given times.
+
+        * ``name`` (text): what results call it
+        * ``functional`` (text): name of the functional whose quantity was measured, of a scenario as in "stress [hover]"; what it makes of that over time counts for nothing here
+        * ``file`` (text): a text file with a line for each time (CSV), beside the scene file
+        * ``columns`` (list of 2 times whole number, optional): which columns of the file have the times and the values, by the names in its first line or by numbers from 1 on; the first two. A unit behind a name, as in `angle [rad]` or `angle (rad)`, must be that of the functional, and may be left out here
+        * ``deviation`` (number or formula, optional): standard deviation of the errors of all values; without it and `deviations` errors of all measurements are alike, and their size follows from what the fit leaves [unit]
+        * ``deviations`` (text, optional): name of a column with the standard deviation of the error of each value; deviation
+        * ``delay`` (text, optional): name of a design variable [s]: what is measured at t is what the motion has at t less this; none
+        """
     def settings(
         self,
         *,
@@ -713,6 +735,19 @@ class Model:
         * ``screening`` (number or formula, optional): limits kept by more than this share need no gradient; every limit has one [-]
         * ``constraint`` (list of table constraint with functional, at_most, at_least, equal, scale, for, optional): limits of functionals and modes
         * ``linear`` (list of table linear with name, coefficients, at_most, at_least, equal, for, optional): limits of sums of design variables
+        """
+    def fit(
+        self,
+        *,
+        varying: Sequence[str] | None = None,
+        loss: Literal['linear', 'huber', 'soft_l1', 'cauchy'] | None = None,
+        prior: Sequence[Table] | None = None,
+    ) -> str:
+        """How `costate fit` fits design variables within their bounds to what each `[[measurement]]` says.
+
+        * ``varying`` (list of text, optional): names of the design variables that may change, as they are listed; all
+        * ``loss`` ("linear" or "huber" or "soft_l1" or "cauchy", optional): what residuals cost, by their squares in units of deviations, as SciPy names and defines it: the last three keep outliers from pulling as far as their squares would; linear
+        * ``prior`` (list of table prior with variable, mean, deviation, for, optional): what is known of design variables beside the measurements
         """
 
 class _Section:
@@ -2238,6 +2273,27 @@ class _Functional:
         * ``on`` (text): node
         * ``point`` (vector, optional): point of the node, in the world at the start; the node's place [m]
         * ``direction`` (vector): direction in the world [-]
+        """
+    def acceleration(
+        self,
+        name: str,
+        /,
+        *,
+        over: Literal['initial', 'terminal', 'integral'] | Table,
+        on: str,
+        point: Vector | None = None,
+        direction: Vector,
+        gravity: Vector | None = None,
+    ) -> str:
+        """Acceleration of a point along a direction that turns with its body, less gravity, as a sensor shows it [m/s2].
+        A number that a run gives, with its gradient.
+
+        * ``name`` (text): name, by which others refer to it
+        * ``over`` ("initial" or "terminal" or "integral", or table an aggregate with aggregate, sharpness, size, times, normalized, continuous): value at the start, at the end, integral, or an aggregate
+        * ``on`` (text): node
+        * ``point`` (vector, optional): point of the node, in the world at the start; the node's place [m]
+        * ``direction`` (vector): direction in the world [-]
+        * ``gravity`` (vector, optional): gravity, which a sensor at rest shows upwards; none [m/s2]
         """
     def target(
         self,

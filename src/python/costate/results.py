@@ -84,6 +84,43 @@ class Mode:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class FittedCurve(_Arrays):
+    """A measurement beside what the fitted scene says."""
+
+    #: When was measured [s].
+    times: Array
+    #: What the scene has then.
+    values: Array
+    #: These less what was measured, by the deviations of the measurement where it has some.
+    residuals: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fitted(_Arrays):
+    """A scene fitted to its measurements."""
+
+    #: All design variables.
+    x: Array
+    #: Places among them of those that were estimated: all that vary but those at a bound.
+    estimated: Array
+    #: Covariance of these; infinite for a variable that is not determined.
+    covariance: Array
+    #: Sum of the losses of all residuals: chi^2 with the linear loss.
+    sum: float
+    #: Number of residuals less that of the estimated variables.
+    degrees: int
+    #: Whether the sum is least nearby.
+    is_optimum: bool
+    #: The measurements, by their names.
+    curves: dict[str, FittedCurve]
+
+    @property
+    def deviations(self) -> Array:
+        """Standard deviations of the estimated variables."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class JointHistory(_Arrays):
     """What a joint or driver does to the last of its nodes that moves, in the world, at the start and at the end of
     each step."""

@@ -18,7 +18,7 @@ from . import _costate
 from .errors import InputError, RunWarning, user_level
 from .parts import Part, describe
 from .progress import Bar, Progress, told
-from .results import Array, Gradient, Mode, Run
+from .results import Array, Fitted, FittedCurve, Gradient, Mode, Run
 
 class DesignVariable(NamedTuple):
     """A design variable: its initial value and bounds in its unit."""
@@ -199,6 +199,16 @@ class Scene:
             rows = [None if own is None else np.array(own) for own in (by_frequency, by_growth)]
             modes.append(Mode(frequency, growth, whirl, rows[0], rows[1], equal))
         return modes
+
+    def fit(self, x: Any = None) -> Fitted:
+        """Fits the scene to its measurements from a design: least squares within the bounds, as ``costate fit``.
+
+        Raises ``InputError`` and ``RunError``.
+        """
+        design, covariance, estimated, (total, degrees, is_optimum), curves = self._native.fit(self.design(x).tolist())
+        matrix = np.array(covariance, dtype=float).reshape(len(estimated), len(estimated))
+        own = {name: FittedCurve(*map(np.array, arrays)) for name, *arrays in curves}
+        return Fitted(np.array(design), np.array(estimated, dtype=int), matrix, total, degrees, is_optimum, own)
 
     def response(self, by: str, rates: Any, x: Any = None, *, static: bool = False) -> NDArray[np.complex128]:
         """Complex amplitudes of all functionals, by the design variable ``by``, where it varies by a small

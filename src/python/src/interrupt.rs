@@ -2,6 +2,7 @@
 
 use costate::history::Observer;
 use costate::integrators::{RunError, StepRecord};
+use costate::optimize::{DesignHistory, Watcher};
 use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -35,5 +36,13 @@ impl Observer for Signals {
         });
         self.caught = told.err();
         Ok(self.caught.is_none())
+    }
+}
+
+impl Watcher for Signals {
+    /// A design was simulated.
+    fn changed(&mut self, _: &DesignHistory) -> bool {
+        self.caught = Python::attach(|py| py.check_signals()).err();
+        self.caught.is_none()
     }
 }

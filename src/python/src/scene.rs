@@ -6,6 +6,7 @@ use crate::parts::own_parts;
 use crate::run::{Run, RunOf};
 use costate::history::Keep;
 use costate::integrators::Mode;
+use costate::optimize::{Fit, Fitted};
 use costate::prelude::RunError;
 use costate::scenes::{AnyScene, DifferentiatedModes, FileScene, PeriodicModes, Prepared, Settings, built_in};
 use costate::sensitivity::Forward;
@@ -63,6 +64,9 @@ type Variable = (String, f64, (f64, f64), String);
 
 /// Frequency, growth, whirl; then d omega/dx, d growth/dx and how many modes have the value, if they are asked for and there.
 type ModeNumbers = (f64, f64, Option<f64>, Option<(Vec<f64>, Vec<f64>, usize)>);
+
+/// See [`Scene::fit`].
+type FitNumbers = (Vec<f64>, Vec<Vec<f64>>, Vec<usize>, (f64, usize, bool), Vec<(String, Vec<f64>, Vec<f64>, Vec<f64>)>);
 
 /// Modes of a scene at rest or in a steady turn, or about the motion of a period.
 fn modes(
@@ -229,6 +233,23 @@ impl Scene {
         rates: Vec<f64>,
     ) -> PyResult<Vec<Vec<[f64; 2]>>> {
         self.ask(py, at, |prepared| prepared.frequency_response(&by, &rates))
+    }
+
+    /// Fits it to its measurements from a design: the design, covariance and places of the variables that are estimated, sum, degrees of freedom, whether the
+    /// sum is least, and computed values and residuals of each measurement; or what a signal raised.
+    fn fit(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<FitNumbers> {
+        let fitted = || {
+            let fit = Fit::of(self.source.scene()).map_err(run_error)?;
+            let mut signals = Signals::new(None);
+            let fitted = fit.run(&x, &mut signals);
+            signals.caught.map_or(Ok(()), Err)?;
+            let Fitted { design, confidence, sum, degrees, is_optimum, curves, .. } = fitted.map_err(run_error)?;
+            let estimated = confidence.estimated.iter().map(|&place| fit.varying()[place]).collect();
+            let curves = fit.problem.measurements.iter().zip(curves);
+            let curves = curves.map(|(own, curve)| (own.name.clone(), own.times.clone(), curve.values, curve.residuals));
+            Ok((design, confidence.covariance, estimated, (sum, degrees, is_optimum), curves.collect()))
+        };
+        py.detach(|| guarded(fitted))
     }
 
     /// Simulates it at a design, its own without one, and says what ended the run where that was a signal.

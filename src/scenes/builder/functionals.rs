@@ -83,6 +83,10 @@ methods_by_entry! { QUANTITIES.measure -> ();
     /// A functional of the velocity of a world point of a node along a direction [m/s].
     velocity_functional "velocity" (over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>)
         on over, &[node] => point, direction;
+    /// A functional of the acceleration of a world point of a node along a direction that turns with it, less gravity, as a sensor shows it [m/s2].
+    acceleration_functional "acceleration"
+        (over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>, gravity: Vector3<S>)
+        on over, &[node] => point, direction, gravity;
     /// A functional of the squared distance of a world point of a node from a target \[m2\].
     target_functional "target" (over: Over, node: NodeId, point: Vector3<S>, target: Vector3<S>)
         on over, &[node] => point, target;

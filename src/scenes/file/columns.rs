@@ -1,6 +1,6 @@
-//! Tables from files: two columns of numbers in a text (CSV).
+//! Tables from files: columns of numbers in a text (CSV).
 
-use super::fields::{Fields, Value};
+use super::fields::{Columns, Fields, Value};
 use super::reader::Reader;
 use crate::scenes::file_bytes;
 use std::path::Path;
@@ -27,12 +27,15 @@ impl Reader {
             self.wrong(at, "a file gives the points and the values: leave either these or the file out");
             return fields;
         }
-        let columns: Vec<Value> = fields.list("columns").map(|own| own.1.clone()).collect();
-        let columns = columns.try_into().unwrap_or([Value::Count(1), Value::Count(2)]);
+        let mut columns: Vec<Value> = fields.list("columns").map(|own| own.1.clone()).collect();
+        if columns.is_empty() {
+            columns = vec![Value::Count(1), Value::Count(2)];
+        }
+        columns.extend(fields.text("deviations").map(|name| Value::Text(name.into())));
         if let Some((_, at, value)) = fields.values.iter_mut().find(|own| own.0 == "file")
             && let Value::Text(file) = value
         {
-            match read(&self.folder.join(&file), columns) {
+            match read(&self.folder.join(&file), &columns) {
                 Ok(columns) => *value = Value::Columns(Arc::new(columns)),
                 Err(why) => {
                     let text = format!("file, \"{file}\": {why}");
@@ -45,7 +48,7 @@ impl Reader {
 }
 
 /// Numbers of columns, each by the name that the first line gives it, or by its number from 1 on.
-fn read(path: &Path, columns: [Value; 2]) -> Result<[Vec<f64>; 2], String> {
+fn read(path: &Path, columns: &[Value]) -> Result<Columns, String> {
     let bytes = file_bytes(path, "a table", LARGEST)?;
     parse(std::str::from_utf8(&bytes).map_err(|error| format!("cannot be read: it is no text: {error}"))?, columns)
 }
@@ -63,7 +66,16 @@ fn cells(line: &str, separator: Option<char>) -> Vec<&str> {
     }
 }
 
-fn parse(text: &str, columns: [Value; 2]) -> Result<[Vec<f64>; 2], String> {
+/// The name of a column, and the unit in brackets behind it.
+fn name_and_unit(head: &str) -> (&str, Option<&str>) {
+    let inside = |open: char, close: char| head.strip_suffix(close)?.split_once(open);
+    match inside('[', ']').or_else(|| inside('(', ')')) {
+        Some((name, unit)) => (name.trim(), Some(unit.trim())),
+        None => (head, None),
+    }
+}
+
+fn parse(text: &str, columns: &[Value]) -> Result<Columns, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let is_filled = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.starts_with('#');
     let mut lines = (1..).zip(text.lines()).filter(is_filled).peekable();
@@ -83,22 +95,23 @@ fn parse(text: &str, columns: [Value; 2]) -> Result<[Vec<f64>; 2], String> {
         Value::Text(name) => head
             .iter()
             .position(|own| own == name)
+            .or_else(|| head.iter().position(|own| name_and_unit(own).0 == name))
             .ok_or_else(|| format!("its first line names no column \"{name}\"; there are {}", head.join(", "))),
         _ => unreachable!("a column has a name or a number"),
     };
-    let places = [place(&columns[0])?, place(&columns[1])?];
+    let places = columns.iter().map(place).collect::<Result<Vec<_>, _>>()?;
     let called =
         |place: usize| if has_names { format!("column \"{}\"", head[place]) } else { format!("column {}", place + 1) };
-    let mut numbers = [Vec::new(), Vec::new()];
+    let mut numbers = vec![Vec::new(); places.len()];
     for (line, own) in lines {
         let cells = cells(own, separator);
-        for (list, place) in numbers.iter_mut().zip(places) {
-            let Some(cell) = cells.get(place) else {
-                return Err(format!("line {line} ends before {}", called(place)));
+        for (list, place) in numbers.iter_mut().zip(&places) {
+            let Some(cell) = cells.get(*place) else {
+                return Err(format!("line {line} ends before {}", called(*place)));
             };
             match cell.parse::<f64>() {
                 Ok(number) if number.is_finite() => list.push(number),
-                _ => return Err(format!("line {line}, {}: \"{cell}\" is no finite number", called(place))),
+                _ => return Err(format!("line {line}, {}: \"{cell}\" is no finite number", called(*place))),
             }
         }
         if let [.., before, last] = numbers[0][..]
@@ -109,6 +122,9 @@ fn parse(text: &str, columns: [Value; 2]) -> Result<[Vec<f64>; 2], String> {
     }
     match numbers[0].len() {
         0 | 1 => Err(format!("it has {} lines of numbers, and a table needs 2 or more", numbers[0].len())),
-        _ => Ok(numbers),
+        _ => {
+            let unit = |&place: &usize| name_and_unit(head[place]).1.filter(|_| has_names).map(String::from);
+            Ok(Columns { units: places.iter().map(unit).collect(), numbers })
+        }
     }
 }

@@ -8,8 +8,13 @@ use crate::scenes::{MeshData, TriangleSurface};
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The numbers of two columns; those of the first one increase.
-pub(super) type Columns = Arc<[Vec<f64>; 2]>;
+/// The numbers of some columns; those of the first one increase.
+#[derive(Debug)]
+pub(super) struct Columns {
+    pub numbers: Vec<Vec<f64>>,
+    /// What stands in brackets behind their names.
+    pub units: Vec<Option<String>>,
+}
 
 /// A design variable that has a value for each face, or each point, of some of a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +48,7 @@ pub(super) enum Value {
     /// An entry, or a group of the faces of one that is a mesh.
     Item(usize, Option<String>),
     /// Numbers of a file.
-    Columns(Columns),
+    Columns(Arc<Columns>),
     Surface(Arc<TriangleSurface>),
     Weights(Vec<(String, f64)>),
     NamedNodes(Vec<NamedNode>),
@@ -138,7 +143,8 @@ impl Fields {
         let (places, values): (_, Vec<Formula>) = match self.get("file") {
             Some((_, Value::Columns(columns))) => {
                 self.has("columns");
-                (columns[0].clone(), columns[1].iter().copied().map(Formula::literal).collect())
+                let [points, values] = [0, 1].map(|place| &columns.numbers[place]);
+                (points.clone(), values.iter().copied().map(Formula::literal).collect())
             }
             _ => (self.fixed_list(points), self.list("values").filter_map(formula).collect()),
         };

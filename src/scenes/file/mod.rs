@@ -10,6 +10,7 @@ mod elsewhere;
 mod entry_context;
 mod extended;
 mod fields;
+mod fit;
 mod formula;
 mod formula_names;
 mod formula_parts;

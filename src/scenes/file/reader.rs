@@ -155,6 +155,9 @@ impl Reader {
             if section.name == "state" {
                 self.take_law(&raw, &mut fields);
             }
+            if section.name == "measurement" {
+                fields = self.with_columns(fields);
+            }
             self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
             self.declared[place].fields = fields;
         }

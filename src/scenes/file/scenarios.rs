@@ -8,7 +8,9 @@ use crate::scenes::check_folders;
 /// The section of scenarios.
 pub(super) const SCENARIO: &str = "scenario";
 /// Sections that all scenarios share.
-const SHARED: [&str; 5] = ["version", EXTENDS, "name", "variable", "optimization"];
+const SHARED: [&str; 7] = ["version", EXTENDS, "name", "variable", "optimization", "measurement", "fit"];
+/// Those that speak of all scenarios.
+const OF_ALL: [&str; 3] = ["optimization", "measurement", "fit"];
 
 /// Takes the scenarios out of a file: their names, and the whole file as each makes it.
 pub(super) fn take_scenarios(root: &mut Raw) -> Result<Vec<(String, Raw)>, Vec<Mistake>> {
@@ -35,11 +37,11 @@ pub(super) fn take_scenarios(root: &mut Raw) -> Result<Vec<(String, Raw)>, Vec<M
     if mistakes.is_empty() { Ok(scenarios) } else { Err(mistakes) }
 }
 
-/// A file without its problem, which speaks of all scenarios.
+/// A file without its problem and its measurements, which speak of all scenarios.
 pub(super) fn without_problem(root: &Raw) -> Raw {
     let mut whole = root.clone();
     if let RawValue::Table(entries) = &mut whole.value {
-        entries.retain(|entry| entry.key != "optimization");
+        entries.retain(|entry| !OF_ALL.contains(&entry.key.as_str()));
     }
     whole
 }

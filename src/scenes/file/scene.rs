@@ -14,8 +14,8 @@ use crate::linalg::Backend;
 use crate::program::Recorded;
 use crate::scalar::Scalar;
 use crate::scenes::{
-    AnyScene, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem, Output,
-    Scenario, Sense, Settings, built, check_folders, unknown,
+    AnyScene, FitProblem, FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, ModeMeasure, OptimizationProblem,
+    Output, Scenario, Sense, Settings, built, check_folders, unknown,
 };
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -64,12 +64,13 @@ pub struct FileScene {
     variables: Vec<DesignVariable>,
     settings: Settings,
     problem: Option<OptimizationProblem>,
+    fit: Option<FitProblem>,
     output: Output,
     scenarios: Vec<(String, FileScene)>,
 }
 
 /// Name spaces of what messages name, the likeliest first; others are what parts are made of.
-const PARTS: [&str; 4] = ["member", "joint", "force", "functional"];
+const PARTS: [&str; 5] = ["measurement", "member", "joint", "force", "functional"];
 
 impl FileScene {
     /// Reads a file.
@@ -177,7 +178,9 @@ impl FileScene {
             run.wrong(contents.top.place("name"), why + mend);
         }
         let (variables, settings) = (run.variables(), run.settings());
-        let problem = run.problem(&variables, functionals);
+        let functionals = run.functionals(functionals);
+        let problem = run.problem(&variables, functionals.clone());
+        let fit = run.fit(&variables, &functionals);
         let output = run.output(settings.end);
         run.check_spans(settings.end);
         let mut mistakes = run.mistakes;
@@ -191,7 +194,7 @@ impl FileScene {
         if !mistakes.is_empty() {
             return Err(source.all_told(mistakes));
         }
-        Ok(FileScene { source, contents, name, variables, settings, problem, output, scenarios: Vec::new() })
+        Ok(FileScene { source, contents, name, variables, settings, problem, fit, output, scenarios: Vec::new() })
     }
 }
 
@@ -223,22 +226,22 @@ impl Variable {
 }
 
 /// What a file says of the run, and what is wrong with it.
-struct RunEntries<'c> {
-    contents: &'c Contents,
-    mistakes: Vec<Mistake>,
+pub(super) struct RunEntries<'c> {
+    pub contents: &'c Contents,
+    pub mistakes: Vec<Mistake>,
 }
 
 impl<'c> RunEntries<'c> {
-    fn wrong(&mut self, at: usize, what: impl Into<String>) {
+    pub(super) fn wrong(&mut self, at: usize, what: impl Into<String>) {
         self.mistakes.push(Mistake::new(at, what));
     }
 
-    fn single(&self, name: &str) -> Option<&'c Fields> {
+    pub(super) fn single(&self, name: &str) -> Option<&'c Fields> {
         self.contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
     }
 
     /// A name must be known.
-    fn check(&mut self, kind: &str, at: usize, name: &str, known: &[String]) {
+    pub(super) fn check(&mut self, kind: &str, at: usize, name: &str, known: &[String]) {
         if !known.iter().any(|own| own == name) {
             self.wrong(at, unknown(kind, name, known));
         }
@@ -429,29 +432,37 @@ impl<'c> RunEntries<'c> {
         }
     }
 
-    /// The problem, of functionals of scenarios, too.
-    fn problem(&mut self, variables: &[DesignVariable], others: &[String]) -> Option<OptimizationProblem> {
-        let (contents, fields) = (self.contents, self.single("optimization")?);
-        let mut functionals: Vec<String> = contents.functionals().map(String::from).collect();
+    /// Names of functionals, and of others of scenarios.
+    fn functionals(&self, others: &[String]) -> Vec<String> {
+        let mut functionals: Vec<String> = self.contents.functionals().map(String::from).collect();
         for other in others {
             if !functionals.contains(other) {
                 functionals.push(other.clone());
             }
         }
+        functionals
+    }
+
+    /// Names of design variables that may change; one name stands for all of a variable of faces or nodes.
+    pub(super) fn varying(&mut self, fields: &Fields, names: &[String]) -> Option<Vec<String>> {
+        let all = |name: &str| match self.contents.variables.iter().find(|own| own.name == name) {
+            Some(own) => own.names(),
+            None => vec![name.into()],
+        };
+        let varying = fields.has("varying").then(|| fields.texts("varying").flat_map(all).collect::<Vec<String>>());
+        let at = fields.place("varying");
+        varying.iter().flatten().for_each(|name| self.check("design variable", at, name, names));
+        varying
+    }
+
+    /// The problem, of functionals of scenarios, too.
+    fn problem(&mut self, variables: &[DesignVariable], mut functionals: Vec<String>) -> Option<OptimizationProblem> {
+        let (contents, fields) = (self.contents, self.single("optimization")?);
         functionals.extend(modes(contents).map(|mode| mode.name));
         let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
         let (sense, key, objective) = self.objective(fields)?;
         objective.iter().for_each(|(name, _)| self.check("functional", fields.place(key), name, &functionals));
-        // one name stands for all of a variable of faces or nodes
-        let varying = fields.has("varying").then(|| {
-            let all = |name: &str| match contents.variables.iter().find(|own| own.name == name) {
-                Some(own) => own.names(),
-                None => vec![name.into()],
-            };
-            fields.texts("varying").flat_map(all).collect::<Vec<String>>()
-        });
-        let at = fields.place("varying");
-        varying.iter().flatten().for_each(|name| self.check("design variable", at, name, &names));
+        let varying = self.varying(fields, &names);
         let constraints = fields.tables("constraint").map(|own| {
             let functional = own.text("functional").unwrap_or_default().to_string();
             self.check("functional", own.place("functional"), &functional, &functionals);
@@ -512,6 +523,9 @@ impl AnyScene for FileScene {
     }
     fn optimization_problem(&self) -> Option<OptimizationProblem> {
         self.problem.clone()
+    }
+    fn fit_problem(&self) -> Option<FitProblem> {
+        self.fit.clone()
     }
     fn modes(&self) -> Vec<ModeMeasure> {
         modes(&self.contents).collect()
@@ -625,7 +639,7 @@ impl FileScene {
 fn without_effect(items: &[Item]) -> Vec<Mistake> {
     let named: HashSet<usize> = items.iter().flat_map(|item| item.fields.items()).collect();
     let checked = items.iter().filter(|item| match item.section.name {
-        "variable" | "mode" => false,
+        "variable" | "mode" | "measurement" => false,
         // what others are made of may stand in a file that does not use it
         "section" | "laminate" => named.contains(&item.place),
         _ => true,

@@ -1,6 +1,7 @@
 //! All sections of a scene file with their keys.
 
 use super::extended::EXTENDS;
+use super::fit::FIT;
 use super::keys::one_form;
 use super::own_parts::{OwnParts, all_forms};
 use super::parts::PARTS;
@@ -134,6 +135,13 @@ const OF_ALL: &[Section] = &[
         ..Section::once(
             "optimization",
             "What costate optimize does. The objective is minimize, maximize, or a sum with sense and weights.",
+        )
+    },
+    Section {
+        forms: FIT,
+        ..Section::once(
+            "fit",
+            "How `costate fit` fits design variables within their bounds to what each `[[measurement]]` says.",
         )
     },
 ];

@@ -16,6 +16,7 @@ mod joint_angle;
 mod laminate;
 mod line;
 mod material;
+mod measurement;
 mod mesh;
 mod mode;
 mod point;
@@ -74,7 +75,7 @@ const BEFORE_LOADS: &[Section] = &[
     event::EVENT,
 ];
 /// Sections behind them.
-const BEHIND_LOADS: &[Section] = &[drawing::SECTION, functionals::SECTION, mode::SECTION];
+const BEHIND_LOADS: &[Section] = &[drawing::SECTION, functionals::SECTION, mode::SECTION, measurement::SECTION];
 
 /// All of them, with those of the loads.
 pub(super) const PARTS: &[Section] = &joined::<
