@@ -878,6 +878,12 @@ impl Events {
         squares - along * along <= CONSISTENT * squares
     }
 
+    /// Whether two switches that pass at once do so together: those of one part, whose formula may have no value between both, and those with one number.
+    pub fn passes_with(&self, switches: [usize; 2], moment: Moment<f64>, p: &[f64]) -> bool {
+        let [one, other] = switches.map(|own| self.part(own).first);
+        one == other || self.is_same_number(switches, moment, p)
+    }
+
     /// Switches of elements and events that pass where the first of the changes does, with numbers of their own.
     pub fn passing_with_first(
         &mut self,

@@ -1006,7 +1006,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let a = vec![0.0; q.len()];
         let (moment, p) = (Moment { a: &a, v: &v, q: &q, mu: [&[]; 2], t: self.record.end }, real(&self.p));
         let (alone, others): (Vec<SideChange>, Vec<SideChange>) =
-            changes.iter().partition(|own| events.is_same_number([first.switch, own.switch], moment, &p));
+            changes.iter().partition(|own| events.passes_with([first.switch, own.switch], moment, &p));
         if others.is_empty() {
             return Ok(others);
         }
